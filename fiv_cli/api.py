@@ -510,8 +510,9 @@ def analyse(
 
     Returns
     -------
-    its `values` are the variables of the dataset, its `status` and `reason` say whether there
-    are any
+    its `values` are the variables of the dataset, but those of any number of values, such as
+    ``section_value``, which its `ragged` holds; its `status` and `reason` say whether there are
+    any; its `carry` has the state in which the motion ended, where a "continue" begins
 
     Raises
     ------

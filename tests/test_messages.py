@@ -112,7 +112,7 @@ def test_a_value_says_what_it_may_be(
     [
         (
             '[[initial]]\nkind = "continue"\naxis = "v"',
-            "allowed: label, kind, offset, along, direction, from, on_loss\n"
+            "allowed: label, kind, offset, along, direction, from, on_loss, steps\n"
             "      did you mean 'along'",
         ),
         ('[[initial]]\nkind = "state"\ncout = 3', "allowed: label, kind, state\n"),

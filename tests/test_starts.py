@@ -155,6 +155,29 @@ def test_a_hysteresis_sweep_carries_the_motion_on_whatever_its_class() -> None:
     assert begun.sel(state="x").values[lost + 1 :].tolist() == rested.tolist()
 
 
+@pytest.mark.parametrize("steps", ["grid", "shorter"])
+def test_a_sweep_in_steps_of_the_grid_is_one_by_hand(steps: str) -> None:
+    """A step of 0.8 throws stick-slip into the basin of rest; shorter ones come through to it."""
+    case = tomllib.loads(SWEPT)
+    case["grid"]["v"] = [1.0, 1.8]
+    case["friction"] = {"law": "stribeck", "mu_s": 1.0, "mu_k": 0.5, "v_s": 0.5}
+    case["model"] = {"name": "belt-1dof", "parameters": {"N": 1.0, "c": 0.1}}
+    case["initial"][2]["steps"] = steps
+    found = api.run(api.load(case), workers=1)
+    begun = found["initial_state"].sel(initial="up", v=1.8)
+    start = dict(zip(begun["state"].values, begun.values, strict=True))
+    laws = {"mu_s": 1.0, "mu_k": 0.5, "v_s": 0.5, "N": 1.0, "c": 0.1}
+    far = api.analyse("belt-1dof", "stribeck", "response", {"x": 10.0}, v=1.0, **laws)
+    assert far.carry is not None
+    literal = np.allclose(list(start.values()), far.carry["state"], rtol=0.0, atol=0.0)
+    assert literal == (steps == "grid")
+    there = api.analyse("belt-1dof", "stribeck", "response", start, v=1.8, **laws)
+    told = api.names_of(found["attractor"]).sel(initial="up", v=1.8).item()
+    assert (
+        told == there.values["attractor"] == {"grid": "equilibrium", "shorter": "periodic"}[steps]
+    )
+
+
 TABLE = """
 schema = 1
 [model]

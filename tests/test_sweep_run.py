@@ -219,6 +219,19 @@ def test_a_chain_is_lost_where_its_branch_ends_and_not_by_its_steps(
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+def test_a_chain_in_the_steps_of_the_grid_begins_where_the_point_before_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An ordinary sweep: what a step of the grid throws off its branch is lost."""
+    monkeypatch.setenv("FIV_TEST_END", "20.0")
+    text = sweep_fakes.CHAIN.replace(
+        'from = "far"', 'from = "far"\nsteps = "grid"\non_loss = "go-on"'
+    )
+    sweep(tmp_path / "a.nc", text, executor="sweep_fakes:slippery")
+    up = read_datasets(tmp_path / "a.nc")[""].sel(initial="up", v=1.0)
+    assert up["attractor"].values.tolist() == [1] + [0] * 7
+
+
 def test_a_chain_that_is_lost_where_it_turns_is_lost(tmp_path: Path) -> None:
     """There is no way from the point before that could be gone in shorter steps."""
     text = sweep_fakes.LOOP.replace('on_loss = "go-on"', 'on_loss = "stop"')

@@ -98,6 +98,8 @@ class Start:
     named : state -> parameter whose value it takes, among `values`
     from_rest : whether a motion that came to rest goes on from there, plus `values`, and not from
         the equilibrium that this point has
+    literal : whether it begins in just the state of the neighbour, so that what stuck slips where
+        the speed of its partner is another; else it sticks still, at that speed
     """
 
     label: str
@@ -106,6 +108,7 @@ class Start:
     carried: Mapping[str, Any] | None = None
     named: Mapping[str, str] = field(default_factory=dict)
     from_rest: bool = False
+    literal: bool = False
 
     def at(self, parameters: Mapping[str, float]) -> Start:
         """The same start where the parameters have other values."""

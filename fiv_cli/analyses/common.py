@@ -124,10 +124,10 @@ def beginning(system: System, request: Request, equilibrium: Vector | None) -> B
     if start.kind == "continue" and start.carried is not None:
         rested = start.carried["attractor"] == "equilibrium"
         if start.from_rest or not rested:
-            sticking = tuple(bool(s) for s in start.carried["sticking"])
+            stuck = tuple(bool(s) for s in start.carried["sticking"])
             state = np.array(start.carried["state"], dtype=float)
             begun = state + system.state_vector(start.values) if rested else state
-            return Beginning(parameters, begun, sticking)
+            return Beginning(parameters, begun, () if start.literal else stuck)
     described = start_state(system, start, equilibrium)
     if described is None:
         return Outcome(status="failed", reason=why_none(sliding(system, parameters)))

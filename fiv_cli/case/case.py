@@ -74,7 +74,7 @@ class StartSpec:
     count : number of random starts, or of those of a table
     seed, box : random starts; box is state -> (low, high)
     rows : state -> SI value, of each start of a table
-    along, direction, from_label, on_loss : continue
+    along, direction, from_label, on_loss, steps : continue
     """
 
     label: str
@@ -89,6 +89,7 @@ class StartSpec:
     direction: str = "up"
     from_label: str = ""
     on_loss: str = "stop"
+    steps: str = "shorter"
 
     @property
     def size(self) -> int:

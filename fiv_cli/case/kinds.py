@@ -41,7 +41,7 @@ STARTS = {
     "table": ("states from a list, or from a CSV file", ("states", "file")),
     "continue": (
         "where the motion of the neighbour along an axis ended",
-        ("along", "direction", "from", "on_loss", "offset"),
+        ("along", "direction", "from", "on_loss", "steps", "offset"),
     ),
 }
 """Kind of start -> what it is, and its keys besides those of every start."""
@@ -282,6 +282,7 @@ Where motions start, each table a start; `initial` is an axis of the dataset, wi
     along = "Omega"
     from = "disc-speed"                          # the first
     on_loss = "go-on"                            # whatever becomes of the motion
+    steps = "grid"                               # though shorter steps would not have lost it
 """
 
 FIGURE = """\

@@ -53,6 +53,7 @@ def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -
         direction=table.direction,
         from_label=table.from_label or "",
         on_loss=table.on_loss,
+        steps=table.steps,
     )
 
 

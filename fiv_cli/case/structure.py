@@ -258,8 +258,14 @@ class InitialTable(Table):
     )
     on_loss: Literal["stop", "restart", "go-on"] = Field(
         default="stop",
-        description="what follows where the class of motion is lost, however short the steps: "
-        "nothing, the start anew, or the motion as it then is, of whatever class",
+        description="what follows where the class of motion is lost: nothing, the start anew, or "
+        "the motion as it then is, of whatever class",
+    )
+    steps: Literal["shorter", "grid"] = Field(
+        default="shorter",
+        description="shorter: what sticks goes along with its partner, and where a step of the "
+        "grid loses the class, shorter ones tell whether it is there still; grid: an ordinary "
+        "sweep, each point begins in just the state in which the one before ended",
     )
 
 

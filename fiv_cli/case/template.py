@@ -239,7 +239,10 @@ class _Template:
         if self.axis is not None and self.analysis.chains:
             down = [f'along = "{self.axis.name}"', 'direction = "down"', 'from = "rest"']
             head = _with_comment("[[initial]]", "where the neighbour on the axis ended")
-            yield _commented([head, 'label = "down"', 'kind = "continue"', *down])
+            after = _with_comment('on_loss = "go-on"', "or stop, restart: where its class is lost")
+            steps = _with_comment('steps = "grid"', "or shorter, where one of the grid loses it")
+            lines = [head, 'label = "down"', 'kind = "continue"', *down, after, steps]
+            yield _commented(lines)
 
     def settings(self) -> list[str]:
         lines, shown = ["[[analysis]]", f'kind = "{self.analysis.kind}"'], set()

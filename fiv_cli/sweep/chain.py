@@ -4,8 +4,9 @@ A point is given what is stored of the one before, however the chain is cut into
 
 A step of the grid that is too long throws the motion off a branch that goes on. So where a cycle or
 an equilibrium that is followed is lost, the way from the point before is gone again in shorter
-steps, until they tell whether the branch reaches the point; only what these lose, too, is lost. A
-chain that goes on whatever its class goes on with what the step of the grid led to then.
+steps, until they tell whether the branch reaches the point; only what these lose, too, is lost,
+unless the steps of the grid alone are asked for. A chain that goes on whatever its class goes on
+with what the step of the grid led to then.
 """
 
 from __future__ import annotations
@@ -146,7 +147,8 @@ class Chain:
             start = continued_start(self.entry, begun)
         outcome = self.run(replace(request, start=start))
         state = state_after(outcome, values, before, self.entry)
-        if before is not None and _changes(outcome, before):
+        shorter = self.entry.spec.steps == "shorter"
+        if shorter and before is not None and _changes(outcome, before):
             way = _Way(self, before, values, request)
             if way.is_passable() and way.reaches():
                 outcome, begun = way.reached

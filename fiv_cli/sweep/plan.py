@@ -462,14 +462,21 @@ def _described(analysis: AnalysisPlan) -> list[str]:
     return lines
 
 
+STEPS = {
+    "shorter": "in shorter steps where one of the grid loses the class",
+    "grid": "each from the state in which the one before ended",
+}
+
+
 def _chains_text(analysis: AnalysisPlan, chains: ChainSet, index: int) -> str:
-    """``up: 2 chains of 8 points along N up``."""
+    """``up: 2 chains of 8 points along N up, ...``."""
     entry = analysis.template.entries[index]
     assert entry is not None
     spec, number = entry.spec, counted(len(chains.positions), "chain")
     begun = "" if index == chains.entries[0] else f", from the end of {spec.from_label}"
     points = f"{number} of {counted(chains.leg)}"
-    return f"    {entry.label}: {points} along {spec.along} {spec.direction}{begun}"
+    way = f"{points} along {spec.along} {spec.direction}{begun}"
+    return f"    {entry.label}: {way}, {STEPS[spec.steps]}"
 
 
 def _varied(layout: Layout) -> list[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from itertools import islice, product
 from typing import Any
@@ -70,6 +70,7 @@ class StartEntry:
             *(sorted((n, low.hex(), high.hex()) for n, (low, high) in spec.box.items())),
             (spec.seed, self.number) if spec.kind == "random" else (),
             (spec.along, spec.direction, spec.on_loss),
+            *([spec.steps] if spec.steps == "grid" else ()),
             *(sorted((n, _exact(v)) for n, v in self.row.items())),
         ]
         origin = "" if self.origin is None else self.origin.identity
@@ -291,8 +292,9 @@ def start_axes(template: Template, values: Values) -> dict[str, float]:
 
 def continued_start(entry: StartEntry, carried: Mapping[str, Any]) -> Start:
     """The start of a point that continues from its neighbour."""
-    from_rest = entry.spec.on_loss == "go-on"
-    return Start(entry.label, "continue", dict(entry.spec.offset), carried, from_rest=from_rest)
+    begun = Start(entry.label, "continue", dict(entry.spec.offset), carried)
+    from_rest, literal = entry.spec.on_loss == "go-on", entry.spec.steps == "grid"
+    return replace(begun, from_rest=from_rest, literal=literal)
 
 
 def _offset(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
