@@ -653,11 +653,14 @@ def test_a_line_tells_time_rate_and_what_is_left() -> None:
 def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
     """Counts are numpy's."""
     course = Course(1000, [0.0, 10.0], [0, np.int64(50)])
-    assert (
-        course.pace(10.0) == "10 s elapsed, 5 points/s, some 3.2 min to go, were the others alike"
-    )
+    assert course.pace(10.0) == "10 s elapsed, 5 points/s"  # the rest may be quite another
     course.note(20.0, np.int64(50))
     assert course.pace(20.0) == "20 s elapsed, 5 points/s, some 3 min to go"
+    assert course.pace(29.0) == "29 s elapsed, 5 points/s, some 2.9 min to go"  # none is due yet
+    assert course.pace(40.0) == "40 s elapsed, 2.5 points/s, some 6 min to go"
+    few = Course(1000, [0.0, 90.0], [0, 45])
+    alike = "90 s elapsed, 0.5 points/s, some 32 min to go, were the others alike"
+    assert few.pace(90.0) == alike
 
 
 def test_lines_come_whether_anything_happens_or_not(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass
+from itertools import pairwise
 
 from fiv_cli.notation.amounts import duration
 
@@ -12,6 +13,7 @@ RECENT = 60.0
 
 
 EARLY = 0.1  # share of the points done below which they say little of the others
+LATE = 16  # the last instants, whose longest distance says until when nothing new is no delay
 
 
 @dataclass
@@ -47,27 +49,40 @@ class Course:
         """Seconds since the beginning."""
         return now - self.times[0]
 
+    def _judged(self, now: float) -> float:
+        """Up to when points are counted on: the last that came, until more are overdue."""
+        last = self.times[-LATE:]
+        gaps = (after - before for before, after in pairwise(last))
+        return last[-1] if now - last[-1] <= max(gaps, default=0.0) else now
+
     def rate(self, now: float) -> float:
         """Points per second of late, since the points before the last ones at the latest."""
+        now = self._judged(now)
         since = now - max(RECENT, self.elapsed(now) / 2)
         place = max(0, min(bisect_right(self.times, since) - 1, len(self.times) - 2))
         seconds = now - self.times[place]
         return (self.done - self.counts[place]) / seconds if seconds > 0.0 else 0.0
 
     def left(self, now: float) -> float | None:
-        """Seconds that the rest takes at this rate; None where nothing tells."""
+        """Seconds that the rest takes at this rate; None where nothing tells, or little yet."""
         rate = self.rate(now)
-        return (self.total - self.done) / rate if rate > 0.0 else None
+        if rate == 0.0 or (self._is_early and self.elapsed(now) < RECENT):
+            return None
+        return max(0.0, (self.total - self.done) / rate - (now - self._judged(now)))
+
+    @property
+    def _is_early(self) -> bool:
+        return self.done < EARLY * self.total
 
     def pace(self, now: float) -> str:
         """``2.5 min elapsed, 31 points/s, some 40 s to go``."""
-        elapsed, left = f"{duration(self.elapsed(now))} elapsed", self.left(now)
-        if left is None:
+        elapsed, rate = f"{duration(self.elapsed(now))} elapsed", self.rate(now)
+        if rate == 0.0:
             return elapsed
-        rate = self.rate(now)
         speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"
-        early = ", were the others alike" if self.done < EARLY * self.total else ""
-        return f"{elapsed}, {speed} points/s, some {duration(left)} to go{early}"
+        told, left = f"{elapsed}, {speed} points/s", self.left(now)
+        alike = ", were the others alike" if self._is_early else ""
+        return told if left is None else f"{told}, some {duration(left)} to go{alike}"
 
     def line(self, now: float) -> str:
         """All of it."""
