@@ -9,7 +9,7 @@ import synthetic_datasets as data
 import xarray as xr
 from click.testing import CliRunner
 from matplotlib.collections import LineCollection, QuadMesh
-from matplotlib.colors import to_hex
+from matplotlib.colors import LogNorm, to_hex
 from matplotlib.figure import Figure
 
 from fiv_cli.case.case import FigureSpec
@@ -747,6 +747,25 @@ def test_a_map_of_numbers_has_a_colour_bar_with_unit():
     (mesh,) = [c for c in drawn.axes[1].collections if isinstance(c, QuadMesh)]
     truth = data.stability_map()["L_s"].sel(initial="exists").transpose("N0", "Omega").values
     assert np.array_equal(mesh.get_array().filled(np.nan), truth, equal_nan=True)
+
+
+@pytest.mark.parametrize("still", [0.0, -1.0])
+def test_shades_of_a_map_may_be_logarithmic(still):
+    """A rest has no logarithm: it is grey, and said to be 0."""
+    dataset = data.stability_map()
+    numbers = dataset["L_s"] = np.abs(dataset["L_s"]) + 1e-3
+    numbers[0] = still
+    dataset["L_s"] = numbers
+    drawn = draw(dataset, figure("map", variable="L_s", log="z"))
+    (mesh,) = [c for c in drawn.axes[1].collections if isinstance(c, QuadMesh)]
+    least, greatest = (float(end) for end in mesh.get_clim())
+    assert isinstance(mesh.norm, LogNorm) and 0.0 < least < greatest
+    assert greatest == float(numbers.where(numbers > 0.0).max())
+    assert to_hex(mesh.cmap(mesh.norm(0.5 * least))) == "#dddddd"
+    assert legend_texts(drawn)[0] == ("0" if still == 0.0 else "not above 0")
+    dataset["L_s"] = 0.0 * numbers
+    (mesh, *_) = draw(dataset, figure("map", variable="L_s", log="z")).axes[0].collections
+    assert not isinstance(mesh.norm, LogNorm)
 
 
 def test_cells_without_a_number_are_named_by_what_is_there():

@@ -390,8 +390,10 @@ def _classes(variable: Variable | None) -> list[str]:
 
 
 def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:
-    """Note limits that a logarithmic axis cannot have."""
+    """Note limits that a logarithmic axis cannot have, and shades where there are none."""
     log = figure.settings.get("log", False)
+    if "z" in str(log) and figure.kind != "map":
+        report.add((*place, "log"), f"a {figure.kind} has no shades", 'true, "x", "y" or "xy"')
     for which in ("x", "y"):
         limits = figure.settings.get(f"{which}lim", ())
         logarithmic = log is True or (isinstance(log, str) and which in log)

@@ -383,8 +383,9 @@ class FigureTable(Table):
         default=False,
         description="phase: all motions in one panel; map: the lines at `level` alone, all in one",
     )
-    log: bool | Literal["x", "y", "xy"] = Field(
-        default=False, description='logarithmic axes: true, "x", "y" or "xy"'
+    log: bool | Literal["x", "y", "xy", "z", "xz", "yz", "xyz"] = Field(
+        default=False,
+        description='logarithmic axes: true, "x", "y" or "xy"; "z": the shades of a map',
     )
     xlim: Interval | None = Field(default=None, description="range of x")
     ylim: Interval | None = Field(default=None, description="range of y")

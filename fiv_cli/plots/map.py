@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib import colormaps
+from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
 from fiv_cli.errors import UsageError
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 MOST_PANELS = 6
 MOST_COLUMNS = 3
 HATCH = "////"
+BELOW = "#DDDDDD"  # of numbers that have no logarithm
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -56,7 +58,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _paint_classes(figure, axes, planes)
     else:
         keys = levels.keys(planes.array, lines, style.VERMILLION)
-        _paint_numbers(figure, axes, planes, keys)
+        _paint_numbers(figure, axes, planes, keys, logarithmic="z" in str(settings.get("log")))
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
         levels.draw(ax, planes.places, planes.ends(panel), lines, style.VERMILLION)
         _dress(ax, number, columns, planes)
@@ -253,21 +255,41 @@ def legend_below(figure: Figure, handles: Sequence[Artist], missing: str) -> Non
 
 
 def _paint_numbers(
-    figure: Figure, axes: Sequence[Axes], planes: _Planes, handles: Sequence[Artist]
+    figure: Figure,
+    axes: Sequence[Axes],
+    planes: _Planes,
+    handles: Sequence[Artist],
+    *,
+    logarithmic: bool,
 ) -> None:
     values = numbers(planes.array).where(planes.computed)
     known = values.values[np.isfinite(values.values)]
-    low, high = (known.min(), known.max()) if known.size else (0.0, 1.0)
+    low, high = _ends(known, logarithmic)
+    norm = LogNorm(low, high) if logarithmic and low > 0.0 else Normalize(low, high)
+    below = bool((known < low).any())
+    colours = colormaps["cividis"].with_extremes(under=BELOW)
     for ax, panel in zip(axes, planes.panels, strict=False):
         plane = planes.of(values, panel)
-        image = planes.mesh(ax, plane, cmap="cividis", vmin=low, vmax=high)
+        shown = np.where(plane < low, 0.5 * low, plane)  # a logarithm paints no zero
+        image = planes.mesh(ax, shown, cmap=colours, norm=norm)
         hatch(ax, np.isnan(plane))
-    figure.colorbar(image, ax=list(axes), label=labels.axis_label(planes.array))
+    figure.colorbar(
+        image, ax=list(axes), label=labels.axis_label(planes.array), extend="min" if below else None
+    )
+    if below:
+        handles = [*handles, Patch(color=BELOW, label="0" if known.min() == 0.0 else "not above 0")]
     why = why_missing(planes.dataset, values.notnull())
     missing = "" if bool(values.notnull().all()) else f"no value{': ' * bool(why)}{why}"
     told = [*handles, *_mark_undecided(axes, planes, values.notnull())]
     if missing or told:
         legend_below(figure, told, missing)
+
+
+def _ends(known: np.ndarray, logarithmic: bool) -> tuple[float, float]:
+    """The least, or the least above zero, and the greatest of the numbers that are shown."""
+    above = known[known > 0.0]
+    shown = above if logarithmic and above.size else known
+    return (float(shown.min()), float(shown.max())) if shown.size else (0.0, 1.0)
 
 
 def _mark_undecided(axes: Sequence[Axes], planes: _Planes, known: xr.DataArray) -> Sequence[Artist]:
