@@ -1389,6 +1389,18 @@ def test_a_figure_may_have_a_title_of_its_own():
     assert draw(data.bifurcation(), figure("curve")).get_suptitle() == "A sweep (Figure 7.6)"
 
 
+def test_a_figure_names_the_parameters_that_were_set_by_hand():
+    """The title of the case is that of another value; in one figure lines are called by it."""
+    both = []
+    for value in (2.0, 5.0):
+        set_by_hand = data.bifurcation().assign_coords(c2=xr.DataArray(value, attrs={"units": "1"}))
+        both.append(set_by_hand.assign_attrs(overrides=f"model.parameters.c2={value}\nsweep={{}}"))
+    alone = draw(both[1], figure("curve"))
+    assert alone.get_suptitle() == "A sweep (Figure 7.6)\n$c_{2}$ = 5"
+    together = draw([("a", both[0]), ("b", both[1])], figure("curve"))
+    assert together.get_suptitle() == "A sweep (Figure 7.6)"
+
+
 def test_a_title_of_two_lines_is_drawn_without_a_word_of_complaint(caplog):
     drawn = Figure()
     title = drawn.suptitle("Both branches\nat $\\mu_k$ = 0.3")

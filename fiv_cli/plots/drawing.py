@@ -201,6 +201,8 @@ def draw(
     ]
     if "title" in settings or len({title_of(one.dataset.attrs) for one in asked}) > 1:
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
+    if len(layers) > 1:  # each of them is called by what it differs in
+        layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
     with style.looks(axis, look):
         drawn = kind.draw(layers, settings)
         points.relabel(drawn, settings)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 from matplotlib.lines import Line2D
 
+from fiv_cli.case.overrides import parse_override
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, style
@@ -229,11 +230,20 @@ def _line(
 def title(dataset: xr.Dataset) -> str:
     """The case's title and reference and, below, the one value of each axis that does not vary.
 
-    The start is always named: what is reached from one start need not be from another.
+    The start is always named: what is reached from one start need not be from another. So are
+    parameters that were set on the command line, which the case's title knows nothing of.
     """
     alone = [_first_axis(dataset, d) for d in grid_dims(dataset) if dataset.sizes[d] == 1]
-    words = [*(_alone(axis) for axis in alone), *["settled"] * is_settled(dataset)]
+    changed = [labels.value_label(one, one.item()) for one in _set_by_hand(dataset)]
+    words = [*(_alone(axis) for axis in alone), *changed, *["settled"] * is_settled(dataset)]
     return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
+
+
+def _set_by_hand(dataset: xr.Dataset) -> list[xr.DataArray]:
+    """Fixed parameters that the run was given with --set."""
+    given = map(parse_override, str(dataset.attrs.get("overrides", "")).splitlines())
+    names = dict.fromkeys(one.keys[-1] for one in given)
+    return [dataset.coords[n] for n in names if n in dataset.coords and not dataset[n].ndim]
 
 
 def is_settled(dataset: xr.Dataset) -> bool:
