@@ -1205,6 +1205,23 @@ def test_a_single_spectrum_is_a_line_with_growing_modes_upright(unit, factor):
     assert ax.get_ylabel() == "amplitude of $x$ (m)"
 
 
+def test_harmonics_of_a_period_stand_where_they_are_and_not_in_the_middle_of_an_interval():
+    one = data.spectra().isel(mu_k=[5]).sel(initial=["far"])
+    raster = float(one["frequency"][1])
+    heights = np.zeros(one["frequency"].size)
+    heights[[30, 59]] = 2e-3, 1e-3
+    one["amplitude"].values[...] = heights.reshape(one["amplitude"].shape)
+    whole = draw(one, figure("spectrum")).axes[0].lines[0].get_xdata()
+    assert whole.size == heights.size
+    basic = 29.7 * raster
+    one["period"] = one["status"] * 0.0 + 1.0 / basic
+    x, y = draw(one, figure("spectrum")).axes[0].lines[0].get_data()
+    np.testing.assert_allclose(x, np.repeat([basic, 2 * basic], 3))
+    np.testing.assert_array_equal(y, [0.0, 2e-3, np.nan, 0.0, 1e-3, np.nan])
+    one["period"] = one["period"] * 0.0 + 2.0 / raster  # several harmonics in each interval
+    assert draw(one, figure("spectrum")).axes[0].lines[0].get_xdata().size == heights.size
+
+
 # --- eigenvalues, laws -------------------------------------------------------------------------
 def test_modes_that_a_line_does_not_have_are_not_in_its_legend():
     full = data.eigenvalues()
@@ -1234,6 +1251,11 @@ def test_a_line_stands_where_modes_merge():
     top, _ = draw(xr.concat([dataset, apart], laws), figure("eigenvalues")).axes
     assert marks(top, "modes merge, coulomb")[:, 0].tolist() == [0.5, 0.5]
     assert "modes merge" not in [line.get_label() for line in top.lines]
+    moved = dataset.assign(coupling_point=dataset["coupling_point"] + 0.1)
+    top, _ = draw(xr.concat([dataset, moved], laws), figure("eigenvalues")).axes
+    merging = {line.get_label(): line for line in top.lines if "merge" in line.get_label()}
+    looks = [merging[f"modes merge, {law}"].get_linestyle() for law in laws.values]
+    assert looks == ["-", "--"]
 
 
 def test_eigenvalues_mark_every_unstable_point():

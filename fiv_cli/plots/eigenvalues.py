@@ -28,7 +28,7 @@ def suits(dataset: xr.Dataset) -> bool:
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A colour for each mode, a dash for each value of the other axes; unstable points marked.
 
-    Where two modes merge a dotted line stands.
+    Where two modes merge a grey line stands: dotted, or with the dash of what it is of.
 
     Of a conjugate pair the eigenvalue with positive imaginary part is drawn.
     """
@@ -81,10 +81,12 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
     lines = points.lines(dataset, [str(axis.dims[0])], points.grid_dims(dataset))
     found = {one.label: _places(dataset["coupling_point"].isel(one.index)) for one in lines}
     alike = len({*map(tuple, found.values())}) == 1
-    for whose, places in [("", found[lines[0].label])] if alike else found.items():
+    told = [("", found[lines[0].label])] if alike else found.items()
+    for line, (whose, places) in enumerate(told):
+        dash = ":" if alike else style.dash(line, len(lines))  # as the modes of that line
         for number, place in enumerate(places):
             label = points.joined("modes merge", whose) if number == 0 else None
-            ax.axvline(place, color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
+            ax.axvline(place, color=style.GREY, ls=dash, lw=1.0, zorder=1, label=label)
 
 
 def _places(merging: xr.DataArray) -> list[float]:

@@ -130,23 +130,43 @@ def _unbounded(dataset: xr.Dataset) -> str:
 
 # --- one steady state -----------------------------------------------------------------------------
 def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
-    """A line for each start; unstable eigenfrequencies upright."""
+    """Each motion in its colour; unstable eigenfrequencies upright and dashed."""
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     array = numbers(dataset[STEADY])
     lines = points.lines(dataset, ["frequency"], [str(dim) for dim in array.dims])
-    x = dataset["frequency"].values * factor_of(settings)
-    for line, colour in zip(lines, style.line_colours(len(lines)), strict=True):
-        ax.plot(x, array.isel(line.index).values, color=colour, label=line.label, lw=0.9)
+    colours = style.line_colours(len(lines))
+    for number, (line, colour) in enumerate(zip(lines, colours, strict=True)):
+        frequency, height = _shape(dataset.isel(line.index))
+        width = 0.8 * (1 + (len(lines) - 1 - number) / len(lines))  # one is seen behind another
+        x = frequency * factor_of(settings)
+        ax.plot(x, height, color=colour, label=line.label, lw=width)
     growing = np.unique(dataset[GROWING].values) if GROWING in dataset else np.zeros(0)
     for number, frequency in enumerate(growing[np.isfinite(growing)] * factor_of(settings)):
         label = None if number else "unstable eigenfrequency"
         ax.axvline(frequency, ls="--", lw=0.9, color=style.BLACK, label=label, zorder=1)
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(labels.axis_label(dataset[STEADY]))
-    ax.set_xlim(0.0, x[-1])
+    ax.set_xlim(0.0, dataset["frequency"].values[-1] * factor_of(settings))
     points.scale(ax, settings)
     points.legend([ax])
     return figure
+
+
+def _shape(motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """The line of one spectrum: upright at each harmonic of a period, else through all intervals.
+
+    Amplitudes are kept for intervals of frequency; where a period tells each apart, a harmonic
+    stands where it is and not in the middle of its interval.
+    """
+    frequency, height = motion["frequency"].values, motion[STEADY].values
+    basic = 1.0 / motion["period"].item() if "period" in motion else np.nan
+    if not basic >= frequency[1] - frequency[0]:
+        return frequency, height
+    kept = np.flatnonzero(height > 0.0)
+    harmonics = np.round(frequency[kept] / basic) * basic
+    feet, gaps = np.zeros(kept.size), np.full(kept.size, np.nan)
+    upright = np.stack([feet, height[kept], gaps], axis=1).ravel()
+    return np.repeat(harmonics, 3), upright
 
 
 def factor_of(settings: points.Settings) -> float:
