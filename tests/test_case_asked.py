@@ -141,6 +141,8 @@ def test_what_will_be_there(text: str) -> None:
         (figure('kind = "curve"', 'y = "L_S"'), "figure.0.y", "did you mean 'L_s'"),
         (figure('kind = "curve"', "log = true", "xlim = [0, 1]"), "figure.0.xlim", "above 0"),
         (figure('kind = "curve"', 'log = "xz"'), "figure.0.log", "a curve has no shades"),
+        (figure('kind = "curve"', "contact = 2"), "figure.0.contact", "has no contact"),
+        (figure('kind = "curve"', "window = [0, 1]"), "figure.0.window", "has no window"),
         (figure('kind = "curve"', 'log = "y"', "ylim = [-1, 1]"), "figure.0.ylim", "above 0"),
         (figure('kind = "curve"', 'name = "a/b"'), "figure.0.name", "name of a file"),
         (figure('kind = "curve"', 'name = ""'), "figure.0.name", "name of a file"),

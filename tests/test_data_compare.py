@@ -102,6 +102,11 @@ def test_points_that_both_have_are_compared() -> None:
     assert told == [axes, "2 against 3 at initial=far", "2 against 2.5 at initial=far"]
 
 
+def test_datasets_over_other_axes_are_not_compared() -> None:
+    (told,) = differences(dataset().rename(mu_k="N0"))
+    assert told.text == "other axes, mu_k, initial against N0, initial: no point is compared"
+
+
 def test_an_axis_from_another_formula_is_the_same() -> None:
     """0.3 and 3 * 0.1 are neighbouring numbers."""
     left, right = (dataset().assign_coords(mu_k=[0.1, end]) for end in (0.3, 3 * 0.1))
@@ -247,7 +252,10 @@ def test_what_was_computed_with_other_values_says_so() -> None:
         "text of my-belt (b.py), of 2 changed lines: - two",
     ]
     assert causes(left, left | {"numerics_version": 8}) == ["numerics version: 9 against 8"]
-    assert causes(left, left | {"parameters_json": '{"m": 1.0}'}) == []  # k is an axis there
+    fewer = left | {"parameters_json": '{"m": 1.0}'}
+    assert causes(left, fewer, axes={"k"}) == []
+    assert causes(fewer, left) == ["parameter k: none against 4"]  # its model had no k
+    assert causes(fewer | {"model": "other"}, left) == ["model: other against my-belt"]
 
 
 def test_analyses_are_compared_by_name() -> None:
@@ -256,6 +264,9 @@ def test_analyses_are_compared_by_name() -> None:
         ("a", "only in the first dataset"),
         ("b", "only in the second dataset"),
     ]
+    alone = dataset().assign_attrs(analyses_json='{"a": {}}')
+    (found,) = compare({"": alone}, {"a": dataset(), "b": dataset()}, Tolerances())
+    assert (found.what, found.text) == ("b", "only in the second dataset")
     (found_inside,) = compare({"a": dataset()}, {"a": changed("L_s", (0, 0), 9.0)}, Tolerances())
     assert found_inside.what == "a/L_s"
 

@@ -18,6 +18,7 @@ from fiv_cli.models import all_models
 STICKS = {"event": "slip->stick"}
 STIFF_WALL = {"k1": 50.0, "D": 0.02}
 STIFF = {"F": 800.0, "k_nl": 1e7, "k4": 5e6, "k5": 5e6, "k6": 5e6, "mu_s": 3.0, "mu_k": 2.5}
+SLOW = {"N": 0.01, "N2": 20.0, "v": 0.1, "D": 0.3}  # its period, 132 s, is that of no mode
 SHAKEN = {"v": 5.0, "u0": 0.5, "omega": 1.6, "c": 0.1}
 
 # model, law, start, options, parameters, state observed, section that the motion has
@@ -27,6 +28,7 @@ CHOICES: list[Any] = [
     ("belt-5dof", "coulomb", {}, {"states": "slip"}, STIFF, "x1", "x1_dot"),
     ("belt-1dof", "coulomb", {"x": 0.01}, {}, SHAKEN, "x", "x_dot"),
     ("belt-1dof", "tanh of linear-slope", {"x": 1.0}, {}, {}, "x_dot", "x_dot"),
+    ("belt-2mass", "stribeck", {}, {}, SLOW, "x2", STICKS | {"contact": 2}),
 ]
 
 

@@ -1030,9 +1030,14 @@ def test_a_history_that_ended_early_is_drawn_as_far_as_it_goes():
 @pytest.mark.parametrize("kind", ["history", "phase"])
 def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
     dataset = data.history(labels=("far",))
-    dataset["contact_state"] = dataset["contact_state"].expand_dims(contact=2, axis=1)
-    drawn = draw(dataset, figure(kind, contact=2, variable="phi"))
-    assert drawn.legends[0].get_title().get_text() == "contact 2"
+    dataset["contact_state"] = dataset["contact_state"].expand_dims(contact=[1, 2], axis=1)
+    for asked in ({"contact": 2}, {"select": {"contact": 2}}):
+        drawn = draw(dataset, figure(kind, variable="phi", **asked))
+        assert drawn.legends[0].get_title().get_text() == "contact 2"
+    first = draw(dataset.drop_vars("event_contact"), figure(kind, variable="phi"))
+    assert first.legends[0].get_title().get_text() == "contact 1"
+    with pytest.raises(UsageError, match="contact = 3: there are 1, 2"):
+        draw(dataset, figure(kind, variable="phi", contact=3))
     alone = draw(data.history(labels=("far",)), figure(kind, variable="phi"))
     assert alone.legends[0].get_title().get_text() == ""
 

@@ -270,14 +270,25 @@ def figure_of_before(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def text_of_before(text: str) -> str:
-    """The text of a case of 0.1.0 with its figures in today's words, and without its claims."""
+    """The text of a case of 0.1.0 with its figures in today's words, and without its claims.
+
+    And without what had no effect, as keys of figures of other kinds.
+    """
+    from fiv_cli.case.kinds import keys_for
+    from fiv_cli.case.structure import FigureTable
+
     try:
         document = parse_toml(text)
     except ValueError:
         return text  # no TOML at all: told where it is read
     figures, rest = document.get("figure"), {k: v for k, v in document.items() if k != "claim"}
     if isinstance(figures, list) and all(isinstance(figure, dict) for figure in figures):
-        rest["figure"] = [figure_of_before(figure) for figure in figures]
+        todays = [figure_of_before(figure) for figure in figures]
+        known = [keys_for(FigureTable, figure) for figure in todays]
+        rest["figure"] = [
+            {key: value for key, value in figure.items() if key in keys}
+            for figure, keys in zip(todays, known, strict=True)
+        ]
     return toml_text(rest)
 
 

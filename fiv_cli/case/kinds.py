@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from fiv_cli.analyses import all_analyses
 from fiv_cli.analyses.settings import Setting, TableSetting
+from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import (
     AnalysisTable,
     ClaimTable,
@@ -30,6 +31,7 @@ from fiv_cli.case.structure import (
     SweepTable,
     TakeTable,
 )
+from fiv_cli.notation.names import listed
 
 STARTS = {
     "equilibrium": ("a sliding equilibrium of the unexcited system, moved", ("offset",)),
@@ -48,6 +50,9 @@ STARTS = {
 
 OF_EVERY_START = ("label",)
 
+INSTEAD = {"contact": "select = { contact = NUMBER }"}
+"""Key of some kinds -> what to write in the others."""
+
 FIGURES = {
     "map": (
         "a variable over two axes: classes in colours, numbers in shades or as lines",
@@ -59,7 +64,7 @@ FIGURES = {
         "stable or not, of an `eigenvalues` analysis of the case, the unstable cycles of a `cycle`",
         ("x", "variable"),
     ),
-    "curve": ("a variable along an axis, a line for each start", ("x", "variable", "take")),
+    "curve": ("a variable along an axis, a line for each start", ("x", "y", "variable", "take")),
     "branch": ("branches of cycles and their ends, along their parameter", ()),
     "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x",)),
     "history": ("states and forces in time", ("variable", "contact", "window")),
@@ -400,6 +405,14 @@ def keys_for(form: type[BaseModel], table: Mapping[str, Any]) -> dict[str, str]:
         fitting = [kinds[told][1]]
     own = {told_by, *of_every, *(key for one in fitting for key in one)}
     return {key: meaning for key, meaning in keys.items() if not fitting or key in own}
+
+
+def refuse_foreign_keys(table: BaseModel, what: str, place: Path, report: Report) -> None:
+    """Note the keys of other kinds that a table has, which would do nothing."""
+    given = table.model_dump(exclude_unset=True, by_alias=True)
+    keys = keys_for(type(table), given)
+    for key in sorted(given.keys() - keys.keys()):
+        report.add((*place, key), f"{what} has no {key}", INSTEAD.get(key) or listed(keys))
 
 
 def _meaning(field: FieldInfo) -> str:

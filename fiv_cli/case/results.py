@@ -17,6 +17,7 @@ from fiv_cli.case.case import (
 )
 from fiv_cli.case.form import Form
 from fiv_cli.case.grammar import Bounds, Expected, Reference, parse_condition
+from fiv_cli.case.kinds import refuse_foreign_keys
 from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import ClaimTable, FigureTable, TakeTable
@@ -67,6 +68,7 @@ def read_figures(
     figures: list[FigureSpec] = []
     for index, (table, element) in enumerate(zip(form.figure, written, strict=True)):
         place = ("figure", index)
+        refuse_foreign_keys(table, f"a figure of kind {table.kind!r}", place, report)
         _check_analysis(table.analysis, answers, place, report)
         _check_figure_axes(table, answers, place, report)
         taken = [figure.name for figure in figures]

@@ -8,7 +8,7 @@ from typing import Any
 
 from fiv_cli.case.case import Axis, StartSpec
 from fiv_cli.case.form import Form
-from fiv_cli.case.kinds import keys_for
+from fiv_cli.case.kinds import refuse_foreign_keys
 from fiv_cli.case.physics import Physics, counterpart, note_no_axis, note_no_state
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.start_table import rows_in
@@ -38,7 +38,7 @@ def read_starts(
 
 
 def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -> StartSpec:
-    _refuse_foreign_keys(table, place, report)
+    refuse_foreign_keys(table, f"a start of kind {table.kind!r}", place, report)
     rows = _rows(table, place, physics, report) if table.kind == "table" else ()
     return StartSpec(
         label=table.label if table.label is not None else table.kind,
@@ -55,14 +55,6 @@ def _start(table: InitialTable, place: Path, physics: Physics, report: Report) -
         on_loss=table.on_loss,
         steps=table.steps,
     )
-
-
-def _refuse_foreign_keys(table: InitialTable, place: Path, report: Report) -> None:
-    given = table.model_dump(exclude_unset=True, by_alias=True)
-    keys = keys_for(InitialTable, given)
-    for key in sorted(given.keys() - keys.keys()):
-        message = f"a start of kind {table.kind!r} has no {key}"
-        report.add((*place, key), message, listed(keys))
 
 
 def _known_states(

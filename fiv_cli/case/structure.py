@@ -361,7 +361,8 @@ class FigureTable(Table):
         default=None, description="horizontal: an axis, or a state (phase, basin)"
     )
     y: str | None = Field(
-        default=None, description="vertical: an axis (map) or a state (phase, basin)"
+        default=None,
+        description="vertical: an axis (map), a state (phase, basin), or the variable of a curve",
     )
     variable: str | list[str] | None = Field(
         default=None,

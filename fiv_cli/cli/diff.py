@@ -52,7 +52,9 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
     chosen = Tolerances() if tolerances is None else read_tolerances(tolerances)
     left, right = read_analyses(first), read_analyses(second)
     found = compare(left, right, chosen)
-    behind = causes(*(next(iter(side.values())).attrs for side in (left, right)))
+    heads = [next(iter(side.values())) for side in (left, right)]
+    axes = {str(name) for head in heads for name, coord in head.coords.items() if coord.ndim}
+    behind = causes(heads[0].attrs, heads[1].attrs, axes)
     if as_json:
         print_json({"equal": not found, "causes": behind, "differences": found})
     else:

@@ -205,10 +205,16 @@ def of_contact(array: xr.DataArray, settings: points.Settings) -> np.ndarray:
     """Values over time; of the figure's ``contact`` (from 1) where there are several."""
     if "contact" not in array.dims:
         return array.values
-    number = int(settings.get("contact", 1))
-    if not 1 <= number <= array.sizes["contact"]:
-        raise UsageError(f"contact = {number}: there are {array.sizes['contact']}")
-    return array.isel(contact=number - 1).values
+    number, known = _contact(array, settings), array["contact"].values.tolist()
+    if number not in known:
+        raise UsageError(f"contact = {number}: there are {', '.join(map(str, known))}")
+    return array.sel(contact=number).values
+
+
+def _contact(array: xr.DataArray, settings: points.Settings) -> int:
+    """The number of the contact that is drawn: the figure's, else the first that is selected."""
+    selected = array["contact"].values[0] if "contact" in array.coords else 1
+    return int(settings.get("contact", selected))
 
 
 def places(motion: Motion) -> list[str]:
@@ -224,11 +230,11 @@ def contact_spans(motion: Motion, settings: points.Settings) -> Iterator[tuple[s
     """
     if not motion.time.size:
         return
-    contact = int(settings.get("contact", 1))
+    sampled = motion.data["contact_state"]
+    contact = _contact(sampled, settings)
     events = [event for event in motion.events if event.contact == contact]
     drawn = CONTACT_STATES.keys()  # the pieces of a law are not; and a bounce changes nothing
     changes = [e for e in events if e.before != e.after and {e.before, e.after} <= drawn]
-    sampled = motion.data["contact_state"]
     first = flag_names(sampled.attrs).get(int(of_contact(sampled, settings)[0]), "unknown")
     borders = [motion.time[0], *(event.time for event in changes), motion.time[-1]]
     states = [changes[0].before if changes else first, *(event.after for event in changes)]
@@ -245,5 +251,5 @@ def states_present(every: Sequence[Motion], settings: points.Settings) -> list[s
 
 def named_contact(dataset: xr.Dataset, settings: points.Settings) -> str:
     """Which contact the colours are about, where there are several."""
-    several = "contact" in dataset["contact_state"].dims
-    return f"contact {settings.get('contact', 1)}" if several else ""
+    states = dataset["contact_state"]
+    return f"contact {_contact(states, settings)}" if "contact" in states.dims else ""

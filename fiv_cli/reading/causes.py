@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from difflib import ndiff
 from typing import Any
 
@@ -24,19 +24,25 @@ TABLES = {
 }
 
 
-def causes(left: Mapping[str, Any], right: Mapping[str, Any]) -> list[str]:
+NONE = "none"  # a parameter, of a model that did not have it
+
+
+def causes(
+    left: Mapping[str, Any], right: Mapping[str, Any], axes: Collection[str] = ()
+) -> list[str]:
     """What the global attributes of two datasets say of different models, values and settings.
 
-    A line each; what only one of them fixes (the other has it on an axis) is a difference of
-    their coordinates.
+    A line each; what only one of them fixes while the other has it on one of the `axes` is a
+    difference of their coordinates.
     """
+    added = "parameter" if left.get("model") == right.get("model") else ""
     words = [(WORDS[key], left.get(key), right.get(key)) for key in WORDS]
     tables = [
-        (f"{what} {name}", one[name], other[name])
+        (f"{what} {name}", one.get(name, NONE), other.get(name, NONE))
         for key, what in TABLES.items()
         for one, other in [(_flat(_read(side, key)) for side in (left, right))]
-        for name in one
-        if name in other
+        for name in one | other
+        if name in one.keys() & other.keys() or (what == added and name not in axes)
     ]
     told = [f"{what}: {_spoken(a)} against {_spoken(b)}" for what, a, b in words + tables if a != b]
     return [*told, *_of_texts(_texts(left), _texts(right))]

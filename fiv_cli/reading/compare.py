@@ -28,7 +28,7 @@ from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import error_of, flag_names
+from fiv_cli.reading.datasets import error_of, flag_names, name_of_only
 from fiv_cli.reading.over_laws import stretches
 from fiv_cli.reading.select import ragged_dims, row_sizes
 
@@ -151,6 +151,8 @@ def compare(
     First of which axes a part alone can be compared; then which class became which, that of the
     steady state before others: numbers follow it.
     """
+    if left.keys() != right.keys():
+        left, right = _by_name(left), _by_name(right)
     axes, differences = [], []
     for name in sorted(left.keys() | right.keys()):
         if name not in left or name not in right:
@@ -158,7 +160,7 @@ def compare(
             differences.append(Difference(name, f"only in the {side} dataset"))
         else:
             one, other = (_found(side[name]) for side in (left, right))
-            if another := _another_order(one, other):
+            if another := _other_axes(one, other):
                 differences.append(Difference(name or "axes", another))
                 continue
             prefix = f"{name}/" if name else ""
@@ -168,12 +170,19 @@ def compare(
     return [*axes, *sorted(differences, key=_rank)]
 
 
-def _another_order(one: xr.Dataset, other: xr.Dataset) -> str:
-    """That two datasets have the same axes, in another order, by which points are compared."""
+def _by_name(analyses: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    """By the names of analyses, also of one that is alone in its file."""
+    return {name or name_of_only(one): one for name, one in analyses.items()}
+
+
+def _other_axes(one: xr.Dataset, other: xr.Dataset) -> str:
+    """That two datasets have other axes, or in another order: their points cannot be compared."""
     dims = [tuple(map(str, side["status"].dims)) for side in (one, other) if "status" in side]
-    if len(dims) < 2 or dims[0] == dims[1] or {*dims[0]} != {*dims[1]}:
+    if len(dims) < 2 or dims[0] == dims[1]:
         return ""
-    orders = " against ".join(", ".join(order) for order in dims)
+    orders = " against ".join(", ".join(order) or "none" for order in dims)
+    if {*dims[0]} != {*dims[1]}:
+        return f"other axes, {orders}: no point is compared"
     return f"the axes of [grid] in another order, {orders}: run one of them in that of the other"
 
 

@@ -26,6 +26,8 @@ OWN = "own"  # kind of the section that a case leaves to the motion
 MISSED = ("no_section_points", "slide_not_decided")  # reasons why another section may tell more
 SLIPS = (CODE_SLIP_PLUS, CODE_SLIP_MINUS)
 ROWS = 4096  # events looked at
+PERIODS = 2.0  # watched, so that each event comes at least once
+SHARE = 0.25  # of the budget that is watched where no period is known
 
 
 def first_section(system: System, observed: str) -> Section:
@@ -38,6 +40,12 @@ def is_missed(outcome: Outcome) -> bool:
     """Whether a motion that goes on has not met its section."""
     goes_on = outcome.values["attractor"] == "periodic" or outcome.reason in MISSED
     return goes_on and not _points(outcome)
+
+
+def long_enough(outcome: Outcome, patience: float, t_max: float) -> float:
+    """Time in which a motion meets all that it meets, s: two of its periods, where it has one."""
+    period = outcome.values.get("period", np.nan)
+    return max(patience, PERIODS * period if np.isfinite(period) else SHARE * t_max)
 
 
 def tells_more(found: Outcome, section: Section, before: Outcome) -> bool:

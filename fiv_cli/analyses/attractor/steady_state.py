@@ -45,6 +45,7 @@ from fiv_cli.analyses.attractor.own_section import (
     OWN,
     first_section,
     is_missed,
+    long_enough,
     own_section,
     recorded,
     tells_more,
@@ -120,9 +121,9 @@ def reached(
     if request.settings["section"].kind != OWN:
         return outcome
     if is_missed(outcome):
-        other = own_section(
-            response.motion, observed_of(system, request.settings), response.patience
-        )
+        observed = observed_of(system, request.settings)
+        span = long_enough(outcome, response.patience, request.settings["t_max"])
+        other = own_section(response.motion, observed, span)
         found = _response(system, request, rests, other)
         found = found if isinstance(found, Outcome) else found.outcome()
         if tells_more(found, other, outcome):
