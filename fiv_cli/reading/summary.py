@@ -75,7 +75,7 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
         "axes": {name: _axis(dataset, name) for name in _grid_axes(dataset)},
         "counts": {
             flag.name: _counts(dataset[flag.name], dataset["status"].ndim)
-            for flag in variables_in(dataset, Role.STATUS, Role.CLASS)
+            for flag in [*variables_in(dataset, Role.STATUS, Role.CLASS), *_detailed(dataset)]
         },
         "shares": shares.shares(dataset),
         "over_starts": over_starts.differing(dataset),
@@ -137,6 +137,16 @@ def _axis(dataset: xr.Dataset, name: str) -> dict[str, Any]:
     if select.is_numeric(axis):
         return {**facts, "first": float(axis.values[0]), "last": float(axis.values[-1])}
     return {**facts, "values": [str(value) for value in axis.values]}
+
+
+def _detailed(dataset: xr.Dataset) -> list[Variable]:
+    """Classes that say how an answer was come by, one for each point: its section, for example."""
+    grid, details = {*dataset["status"].dims}, variables_in(dataset, Role.DETAIL)
+    return [
+        one
+        for one in details
+        if flag_names(dataset[one.name].attrs) and {*dataset[one.name].dims} <= grid
+    ]
 
 
 def _counts(flag: xr.DataArray, grid_dims: int) -> dict[str, int]:
