@@ -69,6 +69,12 @@ def test_a_number_that_differs_is_named_with_its_place() -> None:
     assert "2 against 2.001 at mu_k=0.1, initial=far" in found.text
 
 
+def test_numbers_that_differ_in_their_last_digits_have_all_of_them() -> None:
+    exact = Tolerances(default=Tolerance(0.0, 0.0))
+    (found,) = differences(changed("L_s", (0, 1), 2.0 + 2**-50), exact)
+    assert found.text.startswith("2 against 2.0000000000000009 at")
+
+
 def test_a_number_that_differs_has_its_error() -> None:
     left, right = (
         xr.Dataset(

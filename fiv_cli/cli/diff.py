@@ -63,7 +63,8 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
         for one in found:
             _print(one)
         if not found:
-            click.echo(f"{first} and {second} agree")
+            within = f"numbers within a relative {chosen.default.rtol:g}"
+            click.echo(f"{first} and {second} agree ({within}; what tells trust is left out)")
     return DIFFERENT if found else 0
 
 

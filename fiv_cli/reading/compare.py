@@ -366,8 +366,9 @@ class _Pair:
         if bad.any():
             worst = int(np.argmax(np.where(bad, _gap(x, y), -1.0)))
             sides = ((self.left, x), (self.right, y))
+            digits = 12 if f"{x[worst]:.12g}" != f"{y[worst]:.12g}" else 17
             left, right = (
-                f"{_named(one[name], values[worst])}{_error(one, name, values.size, worst)}"
+                f"{_named(one[name], values[worst], digits)}{_error(one, name, values.size, worst)}"
                 for one, values in sides
             )
             text = f"{left} against {right} at {place(worst)}"
@@ -423,10 +424,10 @@ def _gap(x: Array, y: Array) -> NDArray[np.float64]:
     return np.where(finite, np.abs(u - w) / np.where(scale > 0.0, scale, 1.0), np.inf)
 
 
-def _named(variable: xr.DataArray, value: float) -> str:
+def _named(variable: xr.DataArray, value: float, digits: int = 12) -> str:
     """A value, by its name where it is a flag."""
     names = flag_names(variable.attrs)
-    return names.get(int(value), str(value)) if names else f"{value:.12g}"
+    return names.get(int(value), str(value)) if names else f"{value:.{digits}g}"
 
 
 def _error(dataset: xr.Dataset, name: str, count: int, index: int) -> str:
