@@ -1,5 +1,6 @@
 """Figures: what is drawn is what the dataset holds, labelled, and the same bytes each time."""
 
+import json
 import re
 from itertools import combinations, pairwise
 
@@ -287,7 +288,13 @@ def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
     low, high = (line[np.isfinite(line[:, 1])] for line in dashed(ax))
     assert low[:, 0].max() < 2.0
     assert {*low[:, 1], *high[:, 1]} == {0.02, 0.09}
-    assert r"unstable cycle: least and greatest $\varphi$" in legend_texts(ax)
+    told = r"unstable cycle: least and greatest $\varphi$"
+    assert f"{told}, not at the section" in legend_texts(ax)
+    for state, where in (("phi_dot", ""), ("theta_dot", ", not at the section")):
+        told_of = {"kind": "response", "settings": {"section": {"kind": "zero", "state": state}}}
+        analyses["response"].attrs["analyses_json"] = json.dumps({"response": told_of})
+        (ax,) = draw(analyses, figure("bifurcation", select={"initial": "far"})).axes
+        assert f"{told}{where}" in legend_texts(ax)
 
 
 def test_equilibria_of_the_same_case_are_drawn_by_their_stability():

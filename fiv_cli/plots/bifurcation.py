@@ -11,7 +11,7 @@ import itertools
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.3
+ELSEWHERE = ", not at the section"
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -59,7 +60,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     untold = len(judged) < len(shown)
     resting = _resting_words([layer.dataset for layer in shown]) if untold else ""
     _mark(ax, clouds, style.dot_size(axis.size), resting)
-    _dash_unstable(ax, fitting, axis, observed)
+    _dash_unstable(ax, fitting, axis, observed, "" if _turns(first, observed) else ELSEWHERE)
     for layer, told in judged:
         _draw_equilibria(ax, layer, told, axis, observed)
     ax.set_ylabel(labels.axis_label(first[name]))
@@ -201,11 +202,19 @@ def _of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
         return None
 
 
+def _turns(diagram: xr.Dataset, observed: str) -> bool:
+    """Whether what is observed turns back at the section, and so is least or greatest there."""
+    asked = [one["settings"].get("section") or {} for one in _analyses(diagram)]
+    turning = {"kind": "zero", "state": f"{observed}_dot"}
+    return any(turning.items() <= section.items() for section in asked)
+
+
 def _dash_unstable(
-    ax: Axes, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+    ax: Axes, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str, where: str
 ) -> None:
     """The least and the greatest of every unstable cycle along `axis`."""
-    label: str | None = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}$"
+    extremes_of = f"least and greatest ${labels.symbol_of_name(observed)}$"
+    label: str | None = f"unstable cycle: {extremes_of}{where}"
     for dataset in datasets:
         for x, extremes in _unstable(dataset, axis, observed):
             for height in extremes:
@@ -259,9 +268,13 @@ def _draw_equilibria(
 
 def _linearised_at(diagram: xr.Dataset) -> int:
     """The number of the equilibrium that the `eigenvalues` of a case are of."""
-    analyses = json.loads(diagram.attrs.get("analyses_json", "{}")).values()
-    settings = [one["settings"] for one in analyses if one["kind"] == "eigenvalues"]
+    settings = [one["settings"] for one in _analyses(diagram) if one["kind"] == "eigenvalues"]
     return int(settings[0].get("at_equilibrium", 1)) if settings else 1
+
+
+def _analyses(diagram: xr.Dataset) -> list[dict[str, Any]]:
+    """Kind and settings of the analyses of the case of a diagram."""
+    return list(json.loads(diagram.attrs.get("analyses_json", "{}")).values())
 
 
 def _unstable(
