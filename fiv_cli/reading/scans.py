@@ -33,6 +33,8 @@ _ENDS = {
     "down": (("scan_class", 0, "lower"),),
     "both": (("scan_class", -1, "upper"), ("scan_class_back", 0, "lower")),
 }
+COARSE = "boundary_width is more than was asked for"
+BY_EIGENVALUES = "where an equilibrium loses its stability, an analysis `critical` finds it"
 _GOING_ON = ("equilibrium", "periodic", "quasiperiodic", "chaotic")
 
 
@@ -56,7 +58,7 @@ def still_followed(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str
     return [
         *still(question, settings["follow"], classes, crossings),
         *_of_its_time(dataset, question, settings["t_max"]),
-        *([f"boundary_width is more than was asked for, {BESIDE} lessens it"] if coarse else []),
+        *([f"{COARSE}, {BESIDE} lessens it; {BY_EIGENVALUES}"] if coarse else []),
     ]
 
 
