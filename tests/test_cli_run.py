@@ -207,6 +207,12 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
         "runs/pin.nc (complete, of another grid or other starts; `fiv run` writes"
         in capsys.readouterr().out
     )
+    pinned = ["--set", "grid.N0=[10.0, 25.0]", "-o", "runs/pin.nc"]  # as many, and as whole
+    assert fiv(["run", "pin.toml", *pinned, "-q"]) == 0
+    capsys.readouterr()
+    assert fiv(["status", "pin.toml"]) == 0
+    assert "(complete, of another grid or other starts; `fiv run`" in capsys.readouterr().out
+    assert fiv(["run", "pin.toml", "-q"]) == 0
     assert fiv(["run", "pin.toml", *longer, "--max-points", "1", "-q"]) == 8
     capsys.readouterr()
     assert fiv(["status", "pin.toml"]) == 0
@@ -215,6 +221,11 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
         "4 of 4 points done" in told
         and "runs/pin.nc (partial, of another grid or other starts; " in told
     )
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    shutil.rmtree("runs/pin.run")  # as --fresh does first
+    capsys.readouterr()
+    assert fiv(["status", "pin.toml"]) == 0
+    assert "(complete, as it was before; `fiv run` writes it anew)" in capsys.readouterr().out
 
 
 def test_a_class_that_t_max_leaves_open_is_an_answer_a_motion_out_of_events_is_none(

@@ -265,6 +265,18 @@ def test_where_no_run_has_a_point_it_is_pending() -> None:
             api.join(wrong, along)
 
 
+def test_points_that_advance_together_are_found_in_a_run_over_a_grid() -> None:
+    """Together they are no axis along which runs are joined; the error says what to type."""
+    grid = run(**{"grid.N": [20.0, 40.0]})
+    zipped = run(**{"grid.N": [20.0, 40.0], "grid.v": [1.0, 9.0], "sweep.zip": [["v", "N"]]})
+    with pytest.raises(api.UsageError) as refused:
+        api.join([grid, zipped], "N")
+    told, following = str(refused.value).splitlines()
+    assert told == "N: in run 2 it advances together with v"
+    same = eval(following.partition(" are ")[2], {"grid": grid, "run": zipped})
+    np.testing.assert_array_equal(same["L_s"].values, zipped["L_s"].values)
+
+
 def test_joined_runs_of_every_kind_are_written_without_a_warning(written: Path) -> None:
     """And are read again by fiv, each part as it was."""
     one = api.read(written)

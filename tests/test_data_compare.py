@@ -258,6 +258,12 @@ def test_what_was_computed_with_other_values_says_so() -> None:
         "text of my-belt (b.py), of 2 changed lines: - two",
     ]
     assert causes(left, left | {"numerics_version": 8}) == ["numerics version: 9 against 8"]
+    own, met = ({"kind": kind, "event": "slip->stick", "contact": 1} for kind in ("own", "event"))
+    asked = [{"analyses_json": json.dumps({"a": {"section": one}})} for one in (own, met)]
+    told = '{ event = "any" }, as where a case names none'
+    assert causes(*asked) == [
+        f'analysis a.section: {told} against {{ event = "slip->stick", contact = 1 }}'
+    ]
     fewer = left | {"parameters_json": '{"m": 1.0}'}
     assert causes(left, fewer, axes={"k"}) == []
     assert causes(fewer, left) == ["parameter k: none against 4"]  # its model had no k

@@ -187,7 +187,7 @@ def _plain(value: Any) -> Any:
 
 def _compare(stored: Any, now: Any, place: str) -> Iterable[str]:
     if place.endswith(".section") and stored != now:
-        yield f"{place}: stored {_as_written(stored)}, now {_as_written(now)}"
+        yield f"{place}: stored {section_as_written(stored)}, now {section_as_written(now)}"
     elif isinstance(stored, dict) and isinstance(now, dict):
         for key in sorted(stored.keys() | now.keys()):
             yield from _compare_key(stored, now, key, f"{place}.{key}" if place else key)
@@ -206,7 +206,7 @@ def _compare_key(
         yield from _compare(stored[key], now[key], place)
 
 
-def _as_written(section: Mapping[str, Any]) -> str:
+def section_as_written(section: Mapping[str, Any]) -> str:
     """A stored section as a case writes it; one that names none has that of any event."""
     if section["kind"] == "own":
         return '{ event = "any" }, as where a case names none'

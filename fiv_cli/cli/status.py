@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,10 +18,12 @@ from fiv_cli.cli.common import (
     set_option,
     with_option,
 )
+from fiv_cli.errors import FivError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from fiv_cli.case.case import Case
     from fiv_cli.data.course import Course
     from fiv_cli.sweep.answer import Answer
 
@@ -32,6 +35,7 @@ class Standing:
     Attributes
     ----------
     dataset_partial : it says so itself
+    dataset_of_other_points : it has another grid, or other starts, than the case
     running : process that is running it; None: nobody is
     running_parts : parts of it that are being run, ``3/16``
     counts : status -> number of points
@@ -47,6 +51,7 @@ class Standing:
     dataset: str
     dataset_exists: bool
     dataset_partial: bool
+    dataset_of_other_points: bool
     running: int | None
     running_parts: list[str]
     points: int
@@ -102,9 +107,11 @@ class Standing:
             return "not written yet"
         if self.stored_case_differs:
             return f"{whole}, of another version of the case"
+        if self.dataset_of_other_points:
+            return f"{whole}, of another grid or other starts; `fiv run` writes this one"
         if self.dataset_partial == bool(self.counts["pending"]):
             return "partial" * self.dataset_partial
-        return f"{whole}, of another grid or other starts; `fiv run` writes this one"
+        return f"{whole}, as it was before; `fiv run` writes it anew"
 
 
 @click.command("status")
@@ -163,6 +170,7 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
         dataset=str(path),
         dataset_exists=path.exists(),
         dataset_partial=path.exists() and "partial" in (global_attributes(path) or {}),
+        dataset_of_other_points=_is_of_other_points(path, case),
         running=holder(folder),
         running_parts=[str(part) for part, own in parts.items() if holder(own) is not None],
         points=sum(counts.values()),
@@ -174,6 +182,15 @@ def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> S
     )
     courses = [] if differing else [run.course for run in runs_in(folder)]
     return _with_pace(standing, courses, grows(journal))
+
+
+def _is_of_other_points(path: Path, case: Case) -> bool:
+    from fiv_cli.reading.claims import of_same_points
+    from fiv_cli.reading.datasets import read_analyses
+
+    with suppress(FivError, OSError):  # none, or none that can be read: told by what reads it
+        return not of_same_points(read_analyses(path), case)
+    return False
 
 
 def _with_pace(standing: Standing, courses: Sequence[Course], grows: bool) -> Standing:

@@ -7,6 +7,8 @@ from collections.abc import Collection, Iterator, Mapping
 from difflib import ndiff
 from typing import Any
 
+from fiv_cli.case.identity import section_as_written
+
 WORDS = {
     "model": "model",
     "law": "law",
@@ -56,7 +58,9 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Dotted name -> value."""
     found: dict[str, Any] = {}
     for key, value in table.items():
-        if isinstance(value, dict):
+        if key == "section" and isinstance(value, dict):
+            found[prefix + key] = section_as_written(value)
+        elif isinstance(value, dict):
             found |= _flat(value, f"{prefix}{key}.")
         else:
             found[prefix + key] = value

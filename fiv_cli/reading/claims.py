@@ -218,8 +218,7 @@ def _lacking(analyses: Analyses, case: Case) -> str:
     """What a dataset of the case has not; empty where it has all that is asked for."""
     if len(analyses) < len(case.analyses):
         return "before an analysis was added"
-    same = all(_same_grid(case, dataset) for dataset in analyses.values())
-    return "" if same else "on another grid, or from other starts"
+    return "" if of_same_points(analyses, case) else "on another grid, or from other starts"
 
 
 def _as_it_was_run(attributes: Mapping[str, Any], case: Case, path: Path) -> str:
@@ -247,6 +246,11 @@ def _command(case: Case, name: str = "run") -> str:
     """What to type for the dataset of a case, or for what it says."""
     changed = "".join(f" --set {shlex.quote(line)}" for line in case.overrides)
     return f"fiv {name} {case.source}{changed}"
+
+
+def of_same_points(analyses: Analyses, case: Case) -> bool:
+    """Whether datasets have just the grid and the starts that the case asks for."""
+    return all(_same_grid(case, dataset) for dataset in analyses.values())
 
 
 def _same_grid(case: Case, dataset: xr.Dataset) -> bool:

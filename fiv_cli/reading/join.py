@@ -64,14 +64,27 @@ def joined(runs: Sequence[xr.Dataset], along: str) -> xr.Dataset:
 
 def _refuse_unlike(runs: Sequence[xr.Dataset], along: str) -> None:
     for number, run in enumerate(runs, 1):
-        if along not in run.coords or run[along].dims not in ((), (along,)):
+        if along not in run.coords:
             known = ", ".join([*axis_names(run), *_fixed(run)])
             raise SelectionError(f"{along}: no parameter of run {number}\nit has {known}")
+        if run[along].dims not in ((), (along,)):
+            raise SelectionError(_together(run, along, number))
         if _in_rows(run) != _in_rows(runs[0]):
             raise SelectionError(
                 f"run {number} holds other variables of any number of values per point\n"
                 "next: join runs of one analysis"
             )
+
+
+def _together(run: xr.Dataset, along: str, number: int) -> str:
+    """That an axis of a run advances with others, and how its points are found in another run."""
+    names = [str(name) for name, coord in run.coords.items() if coord.dims == run[along].dims]
+    others = ", ".join(name for name in names if name != along)
+    places = ", ".join(f"{name}=run[{name!r}]" for name in names)
+    return (
+        f"{along}: in run {number} it advances together with {others}\n"
+        f"next: of a run over a grid the same points are grid.sel({places})"
+    )
 
 
 def _refuse_twice(axis: xr.DataArray) -> None:
