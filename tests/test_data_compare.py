@@ -108,6 +108,15 @@ def test_points_that_both_have_are_compared() -> None:
     assert told == [axes, "2 against 3 at initial=far", "2 against 2.5 at initial=far"]
 
 
+def test_an_axis_of_one_value_is_like_a_parameter() -> None:
+    left, right = (dataset().isel(mu_k=[0], section_obs=[0, 1, 2]) for _ in range(2))
+    right = right.assign_coords(mu_k=[0.4])
+    right["L_s"].values[0, 0] = 5.0
+    axis, number = differences(right, left=left)
+    assert (axis.what, axis.text) == ("mu_k", "0.1 against 0.4")
+    assert "1 against 5 at initial=near" in number.text
+
+
 def test_datasets_over_other_axes_are_not_compared() -> None:
     (told,) = differences(dataset().rename(mu_k="N0"))
     assert told.text == "other axes, mu_k, initial against N0, initial: no point is compared"

@@ -386,7 +386,28 @@ def test_only_branches_at_the_fixed_parameters_of_a_diagram_are_laid_over_it(pre
     response = data.bifurcation().assign_coords(N0=30.0)
     named = [("", response), ("branch", branch_along_the_speed(preloads=preloads))]
     near = figure("bifurcation", select={"initial": "near"})  # no start of the branch is called so
-    assert len(dashed(draw(named, near).axes[0])) == lines
+    if lines:
+        assert len(dashed(draw(named, near).axes[0])) == lines
+    else:
+        with pytest.raises(EmptyFigureError, match="the branch branch is of other parameters"):
+            draw(named, near)
+
+
+def test_each_diagram_has_the_branches_of_its_own_parameters():
+    """In its colour, and called as it is, though a branch has the same parameter."""
+    made = {}
+    for value in (20.0, 30.0):
+        ends = branch_along_the_speed(preloads=(value,)).isel(N0=0)
+        made[f"sweep-{value}"] = data.bifurcation().assign_coords(N0=ends["N0"])
+        made[f"ends-{value}"] = ends
+    names = words.told_apart([*made.items()])
+    assert [name.partition(" = ")[2] for name in names] == ["20 N", "20 N", "30 N", "30 N"]
+    near = figure("bifurcation", select={"initial": "near"})
+    (ax,) = draw([*zip(names, made.values(), strict=True)], near).axes
+    lines = [line for line in ax.lines if line.get_linestyle() == "--"]
+    assert len(lines) == 4 and len({line.get_color() for line in lines}) == 2
+    told = [text for text in legend_texts(ax) if "unstable cycle" in text]
+    assert [text.startswith(name) for text, name in zip(told, dict.fromkeys(names), strict=True)]
 
 
 @pytest.mark.parametrize("kind", ["bifurcation", "curve"])

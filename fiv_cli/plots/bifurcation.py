@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.errors import UsageError
+from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import SECTION
 from fiv_cli.plots import branch, labels, points, style
 from fiv_cli.reading import select
@@ -54,13 +54,18 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     points.refuse_empty(first, any(cloud.y.size or cloud.rest_y.size for cloud in clouds), name)
     figure, (ax,) = style.new_panels(1, 1, points.title(first))
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
-    fitting = [part for one in others if (part := _of_the_same(one, first)) is not None]
+    _refuse_of_none(layers, shown)
     axis, observed = points.abscissa(first, settings), _observed(first[name])
-    judged = [(layer, told) for layer in shown for told in _judged(layer, fitting, axis, observed)]
+    judged = [(layer, told) for layer in shown for told in _judged(layer, others, axis, observed)]
     untold = len(judged) < len(shown)
     resting = _resting_words([layer.dataset for layer in shown]) if untold else ""
     _mark(ax, clouds, style.dot_size(axis.size), resting)
-    _dash_unstable(ax, fitting, axis, observed, "" if _turns(first, observed) else ELSEWHERE)
+    where = "" if _turns(first, observed) else ELSEWHERE
+    for layer in shown:  # a dataset that belongs to several is drawn with the first of them
+        parts = [_of_the_same(one, layer.dataset) for one in others]
+        own = [part for part in parts if part is not None]
+        others = [one for one, part in zip(others, parts, strict=True) if part is None]
+        _dash_unstable(ax, own, axis, observed, layer.label, where)
     for layer, told in judged:
         _draw_equilibria(ax, layer, told, axis, observed)
     ax.set_ylabel(labels.axis_label(first[name]))
@@ -209,16 +214,35 @@ def _turns(diagram: xr.Dataset, observed: str) -> bool:
     return any(turning.items() <= section.items() for section in asked)
 
 
+def _refuse_of_none(layers: Sequence[points.Layer], shown: Sequence[points.Layer]) -> None:
+    """EmptyFigureError where a branch comes with diagrams none of which is of its parameters."""
+    for layer in layers:
+        if not branch.suits(layer.dataset):
+            continue
+        if all(_of_the_same(layer.dataset, one.dataset) is None for one in shown):
+            raise EmptyFigureError(
+                f"the branch {layer.label} is of other parameters than the bifurcation diagrams\n"
+                "next: draw it with a diagram of its own parameters, or alone: --figure branch"
+            )
+
+
 def _dash_unstable(
-    ax: Axes, datasets: Sequence[xr.Dataset], axis: xr.DataArray, observed: str, where: str
+    ax: Axes,
+    datasets: Sequence[xr.Dataset],
+    axis: xr.DataArray,
+    observed: str,
+    whose: str,
+    where: str,
 ) -> None:
-    """The least and the greatest of every unstable cycle along `axis`."""
+    """The least and the greatest of every unstable cycle along `axis`, in the colour of `whose`."""
     extremes_of = f"least and greatest ${labels.symbol_of_name(observed)}$"
-    label: str | None = f"unstable cycle: {extremes_of}{where}"
+    label: str | None = points.joined(whose, f"unstable cycle: {extremes_of}{where}")
+    colours = points.colours([ax]).items() if whose else ()
+    colour = next((own for name, own in colours if name.startswith(whose)), style.BLACK)
     for dataset in datasets:
         for x, extremes in _unstable(dataset, axis, observed):
             for height in extremes:
-                ax.plot(x, height, "--", lw=0.9, color=style.BLACK, zorder=1.5, label=label)
+                ax.plot(x, height, "--", lw=0.9, color=colour, zorder=1.5, label=label)
                 label = None
 
 

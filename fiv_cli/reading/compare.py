@@ -215,6 +215,12 @@ def _at_common_points(
         pairs = [(one[name].values, other[name].values) for name in names]
         if all(np.array_equal(a, b) for a, b in pairs):
             continue
+        if one.sizes[dim] == other.sizes[dim] == 1:  # the one value of each, as of a parameter
+            told |= {
+                name: f"{_spoken(a)} against {_spoken(b)}"
+                for name, (a, b) in zip(names, pairs, strict=True)
+            }
+            continue
         of_both = [
             np.logical_and.reduce([_is_among(*pair[::way]) for pair in pairs]) for way in (1, -1)
         ]
@@ -225,6 +231,11 @@ def _at_common_points(
             told |= dict.fromkeys(names, f"{sizes}, {count} of them in both and compared")
     one, other = (select.masked(side, mask) for side, mask in zip((one, other), masks, strict=True))
     return one, other.assign_coords({name: one[name] for name in told}), told
+
+
+def _spoken(value: Array) -> str:
+    """The one value of an axis."""
+    return str(np.asarray(value).item())
 
 
 def _axes_along(dataset: xr.Dataset, dim: str) -> list[str]:
@@ -288,7 +299,8 @@ class _Pair:
                 yield self._told(name, f"{a.size} against {b.size} values{ALONG}"), dims
             elif not np.array_equal(a, b):
                 index = int(np.flatnonzero(a != b)[0])
-                text = f"value {index}: {a.ravel()[index]!r} against {b.ravel()[index]!r}{ALONG}"
+                values = f"{_spoken(a.ravel()[index])} against {_spoken(b.ravel()[index])}"
+                text = f"value {index}: {values}{ALONG}"
                 yield self._told(name, text, int(np.count_nonzero(a != b))), dims
 
     def _of_variable(self, name: str) -> Iterator[Difference]:
