@@ -690,6 +690,13 @@ class TestClaims:
         text = self.claim('expect = "periodic"', f"holds = {holds}")
         assert only_problem(text).path == "claim.0.holds"
 
+    @pytest.mark.parametrize("name", ["attractor", "x_amplitude"])
+    def test_at_a_result(self, name: str) -> None:
+        problem = only_problem(self.claim('expect = "periodic"', f'at = {{ {name} = ". > 0" }}'))
+        assert problem.path == f"claim.0.at.{name}"
+        assert f"{name!r} is a result, and no axis" in problem.message
+        assert problem.suggestion.endswith('holds = "any"')
+
     @pytest.mark.parametrize("holds", ['"any"', "0.9", "1"])
     def test_good_share(self, holds: str) -> None:
         assert parse(self.claim('expect = "periodic"', f"holds = {holds}")).claims

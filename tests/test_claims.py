@@ -90,6 +90,13 @@ def test_a_point_without_answer_leaves_the_claim_undetermined(kind, status):
     assert status in ("ok", "not_computed") or f"({status} 1)" in verdict.found
 
 
+def test_a_finding_tells_the_one_that_is_as_expected():
+    wanted = {"value": 2.0, "tolerance": 0.1}
+    told = [tried(sweep(THREE, [1.0, 2.0, 3.0]), "L_s", wanted, holds=h) for h in ("any", "all")]
+    assert "found 1 to 3 rad2, as expected: 2 rad2" in told[0].found
+    assert "as expected" not in told[1].found
+
+
 def test_open_points_do_not_save_a_claim_that_others_contradict():
     dataset = sweep(["periodic", "undecided", "equilibrium"])
     assert tried(dataset, "attractor", "periodic").verdict == CONTRADICTED

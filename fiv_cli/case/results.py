@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fiv_cli.analyses.catalogue import named, own_dims
+from fiv_cli.analyses.catalogue import every_variable, named, own_dims
 from fiv_cli.case.case import (
     SEVERAL,
     AnalysisSpec,
@@ -22,7 +22,7 @@ from fiv_cli.case.physics import Physics, note_no_axis
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import ClaimTable, FigureTable, TakeTable
 from fiv_cli.case.tables import read_table
-from fiv_cli.notation.names import ascii_name, axis_name, can_name_a_file
+from fiv_cli.notation.names import ascii_name, axis_name, can_name_a_file, listed
 from fiv_cli.notation.units import convert
 
 
@@ -168,6 +168,10 @@ def _selection(
         name, at = axis_name(key), (*place, key)
         if name not in kinds:
             known = [*answers.axis_names(), "initial", *named(of).dims]
+            if _is_result(name, answers.physics):
+                message = f"{name!r} is a result, and no axis"
+                report.add(at, message, listed(known), ONE_AT_LEAST if of else "")
+                continue
             message = f"{name!r} is no axis of this case{answers.varied_by(name)}"
             note_no_axis(name, message, at, known, answers.physics, report)
         elif isinstance(value, list):
@@ -192,6 +196,14 @@ def _wanted(
         return None
 
 
+def _is_result(name: str, physics: Physics) -> bool:
+    """Whether some analysis gives what is called `name`: a variable, or one of a state."""
+    state, _, of_it = name.rpartition("_")
+    of_states = f"state_{of_it}" if state in physics.units_of_states() else name
+    return not every_variable().keys().isdisjoint((name, of_states))
+
+
+ONE_AT_LEAST = 'where it is enough that one value is as expected: holds = "any"'
 _SELECTS = (
     'a number, a quantity ("20 rpm"), a condition on the value ".", such as ". >= 7", '
     "or a list of these"

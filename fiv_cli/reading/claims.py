@@ -106,6 +106,7 @@ class _Trial:
     place : row -> its name
     noun : what is counted
     empty : which of those missed have no value to try it on, their rows
+    held : the values that are as expected, in words
     """
 
     hit: np.ndarray
@@ -116,6 +117,7 @@ class _Trial:
     place: Callable[[int], str]
     noun: str = "points"
     empty: Sequence[int] = ()
+    held: str = ""
 
 
 @dataclass(frozen=True)
@@ -421,6 +423,8 @@ def _judge(trial: _Trial, holds: str | float, why_open: str) -> Verdict:
         verdict = CONFIRMED
     elif handful or hits + unknown < needed:
         verdict = CONTRADICTED
+    if holds == "any" and trial.held and 0 < hits < points:
+        trial = replace(trial, found=f"{trial.found}, {trial.held}")
     return Verdict(verdict, _finding(trial, hits, points, why_open), hits, points, unknown)
 
 
@@ -503,7 +507,9 @@ def _try_bounds(
         greatest = greatest.further(expect.margin, expect.share)
     tried = _within(values.ends, least.ends, greatest.ends, expect.strict)
     as_found = _within(values.found, least.found, greatest.found, expect.strict)
-    return values.trial(tried, ", ".join([_range(values, part[variable]), *against]), as_found)
+    found = ", ".join([f"found {_range(values, part[variable])}", *against])
+    trial = values.trial(tried, found, as_found)
+    return replace(trial, held=f"as expected: {_range(values, part[variable], trial.hit)}")
 
 
 def _within(value: _Ends, least: _Ends, greatest: _Ends, strict: bool) -> _Tried:
@@ -548,7 +554,7 @@ def _try_trend(expect: Trend, part: xr.Dataset, variable: str) -> _Trial:
     return _Trial(
         hit,
         unsure,
-        _range(_values(part, variable), part[variable]),
+        f"found {_range(_values(part, variable), part[variable])}",
         unsure & ~open_as_found,
         np.arange(hit.size),
         lambda step: _step_name(axis, step),
@@ -653,11 +659,11 @@ def _ragged_values(part: xr.Dataset, variable: str, sizes: xr.DataArray) -> _Val
     return _Values(values, values, error, is_open, np.concatenate([row[known], open_rows]), rows)
 
 
-def _range(values: _Values, variable: xr.DataArray) -> str:
-    """The values found, from least to greatest, with their unit."""
+def _range(values: _Values, variable: xr.DataArray, among: np.ndarray | bool = True) -> str:
+    """The values that are known, of some or all, from least to greatest, with their unit."""
     unit = str(variable.attrs.get("units", "1"))
-    span = _span(values, ~values.open)
-    return f"found {span}" if unit == "1" or span == NOTHING else f"found {span} {unit}"
+    span = _span(values, ~values.open & among)
+    return span if unit == "1" or span == NOTHING else f"{span} {unit}"
 
 
 def _span(numbers: _Numbers, among: np.ndarray | bool = True) -> str:
