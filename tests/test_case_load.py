@@ -612,6 +612,9 @@ section = {text}
         assert 'zero = "x_dot"' in only_problem(text).suggestion
 
 
+TAKEN = '{ what = "greatest", over = "initial" }'
+
+
 class TestClaims:
     def claim(self, expect: str, more: str = "") -> str:
         variable = "attractor" if "periodic" in expect else "L_s"
@@ -690,12 +693,34 @@ class TestClaims:
         text = self.claim('expect = "periodic"', f"holds = {holds}")
         assert only_problem(text).path == "claim.0.holds"
 
-    @pytest.mark.parametrize("name", ["attractor", "x_amplitude"])
-    def test_at_a_result(self, name: str) -> None:
-        problem = only_problem(self.claim('expect = "periodic"', f'at = {{ {name} = ". > 0" }}'))
-        assert problem.path == f"claim.0.at.{name}"
-        assert f"{name!r} is a result, and no axis" in problem.message
-        assert problem.suggestion.endswith('holds = "any"')
+    @pytest.mark.parametrize("wanted", ['"periodic"', '["periodic", "chaotic"]'])
+    def test_a_result_narrows_a_claim_to_its_classes(self, wanted: str) -> None:
+        (claim,) = parse(
+            self.claim("expect = { less_than = 3 }", f"at.attractor = {wanted}")
+        ).claims
+        assert claim.at["attractor"]
+
+    @pytest.mark.parametrize(
+        ("more", "words"),
+        [
+            ('at.attractor = "chaos"', "has no class 'chaos'"),
+            ("at.x_amplitude = 3", "is a number, and no axis: a claim is narrowed to classes"),
+            ('at.cycle_end_kind = "fold"', "the analysis 'response' has no axis 'cycle_end_kind'"),
+            (f'at.attractor = "periodic"\ntake = {TAKEN}', "no trend and nothing taken"),
+        ],
+    )
+    def test_results_that_do_not_narrow_it(self, more: str, words: str) -> None:
+        assert words in only_problem(self.claim("expect = { less_than = 3 }", more)).message
+
+    def test_a_figure_selects_no_results(self) -> None:
+        figure = [
+            "[[figure]]",
+            'kind = "curve"',
+            'variable = "L_s"',
+            'select.attractor = "periodic"',
+        ]
+        text = belt(*figure).replace('"history"\nt_end = 30', '"response"')
+        assert "is a result, and no axis" in only_problem(text).message
 
     @pytest.mark.parametrize("holds", ['"any"', "0.9", "1"])
     def test_good_share(self, holds: str) -> None:

@@ -97,6 +97,35 @@ def test_a_finding_tells_the_one_that_is_as_expected():
     assert "as expected" not in told[1].found
 
 
+@pytest.mark.parametrize(
+    ("classes", "wanted", "verdict", "points"),
+    [
+        (THREE, "periodic", CONFIRMED, 2),
+        (THREE, ["periodic", "equilibrium"], CONTRADICTED, 3),
+        (["periodic", "undecided", "equilibrium"], "periodic", UNDETERMINED, 2),
+        (THREE, "chaotic", UNDETERMINED, 0),
+    ],
+)
+@pytest.mark.parametrize("variable", ["L_s", "section_value"])
+def test_a_class_narrows_a_claim_to_the_values_beside_it(
+    variable, classes, wanted, verdict, points
+):
+    dataset = sweep(classes, [1.0, 2.0, 9.0], rows=[[1.0], [2.0], [9.0]])
+    found = tried(dataset, variable, {"less_than": 5.0}, at={"attractor": wanted})
+    assert (found.verdict, found.points) == (verdict, points)
+    assert ("no value has attractor" in found.found) == (points == 0)
+
+
+def test_a_class_of_its_own_dims_narrows_a_claim_to_those_of_its_values():
+    dataset = data.crossings()
+    of_roots = tried(
+        dataset, "critical_value", {"greater_than": 1.55}, at={"crossing_kind": "root"}
+    )
+    assert (of_roots.verdict, of_roots.points) == (CONTRADICTED, 4)
+    at = {"crossing_kind": "root", "R": ". >= 10"}
+    assert tried(dataset, "critical_value", {"greater_than": 1.55}, at=at).verdict == CONFIRMED
+
+
 def test_open_points_do_not_save_a_claim_that_others_contradict():
     dataset = sweep(["periodic", "undecided", "equilibrium"])
     assert tried(dataset, "attractor", "periodic").verdict == CONTRADICTED

@@ -12,7 +12,7 @@ from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
 from fiv_cli.analyses.variables import COMPUTED, Variable, derived
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
-from fiv_cli.case.grammar import Bounds, OfClass, Reference, parse_condition
+from fiv_cli.case.grammar import Bounds, OfClass, Reference, Trend, parse_condition
 from fiv_cli.case.places import Places
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import COUNTED, FigureKind
@@ -161,12 +161,41 @@ def _known_of(
     places = _places(case, held, said.analysis, said.variable)
     if places is None:
         return known
-    places.check(said.at, (*place, "at"), report, near=False)
+    of_results = _check_narrowed(said, known, held[places.name] or (), (*place, "at"), report)
+    on_axes = {name: wanted for name, wanted in said.at.items() if name not in of_results}
+    places.check(on_axes, (*place, "at"), report, near=False)
     if said.take:
         over, reference = said.take["over"], said.take.get("relative_to", {})
         places.check_over(over, known[said.variable], (*place, "take", "over"), report)
         places.check(reference, (*place, "take", "relative_to"), report, near=False)
     return known
+
+
+def _check_narrowed(
+    said: ClaimSpec | Reference,
+    known: Mapping[str, Variable | None],
+    beside: Sequence[Variable],
+    place: Path,
+    report: Report,
+) -> Sequence[str]:
+    """The results to whose classes a claim narrows; notes where these are not beside each value."""
+    results = [variable for variable in beside if variable.name in said.at]
+    own = known[said.variable]
+    for one in results:
+        at, classes, wanted = (*place, one.name), _classes(one), said.at[one.name]
+        fits = own is not None and one.ragged in ("", own.ragged) and {*one.dims} <= {*own.dims}
+        if not classes:
+            message = f"{one.name!r} is a number, and no axis: a claim is narrowed to classes"
+            report.add(at, message, listed([v.name for v in beside if _classes(v)]))
+        elif said.take or (isinstance(said, ClaimSpec) and isinstance(said.expect, Trend)):
+            message = "a result narrows what is tried value by value, no trend and nothing taken"
+            report.add(at, message)
+        elif not fits:
+            report.add(at, f"{one.name!r} does not stand beside each value of {said.variable!r}")
+        else:
+            for name in wanted if isinstance(wanted, list) else [wanted]:
+                _check_class(one.name, classes, str(name), at, report)
+    return [one.name for one in results]
 
 
 def _check_compared(

@@ -156,11 +156,17 @@ def _take(table: TakeTable, answers: Answers, place: Path, report: Report) -> di
 
 
 def _selection(
-    given: Mapping[str, Any], answers: Answers, place: Path, report: Report, of: str = ""
+    given: Mapping[str, Any],
+    answers: Answers,
+    place: Path,
+    report: Report,
+    of: str = "",
+    narrows: bool = False,
 ) -> dict[str, Any]:
     """Axis -> value in SI, or label, or condition, for the keys that are dims.
 
-    Where it is said `of` which variable, its own dims are named among what is allowed.
+    Where it is said `of` which variable, its own dims are named among what is allowed. Where a
+    result `narrows` it, what is asked of that is left as it is.
     """
     kinds = dict.fromkeys(own_dims(), "own") | answers.axis_names() | {"initial": "label"}
     found: dict[str, Any] = {}
@@ -168,12 +174,13 @@ def _selection(
         name, at = axis_name(key), (*place, key)
         if name not in kinds:
             known = [*answers.axis_names(), "initial", *named(of).dims]
-            if _is_result(name, answers.physics):
-                message = f"{name!r} is a result, and no axis"
-                report.add(at, message, listed(known), ONE_AT_LEAST if of else "")
-                continue
             message = f"{name!r} is no axis of this case{answers.varied_by(name)}"
-            note_no_axis(name, message, at, known, answers.physics, report)
+            if not _is_result(name, answers.physics):
+                note_no_axis(name, message, at, known, answers.physics, report)
+            elif narrows:
+                found[name] = value
+            else:
+                report.add(at, f"{name!r} is a result, and no axis", listed(known))
         elif isinstance(value, list):
             kept = (_wanted(name, kinds[name], one, answers, at, report) for one in value)
             found[name] = [one for one in kept if one is not None]
@@ -203,7 +210,6 @@ def _is_result(name: str, physics: Physics) -> bool:
     return not every_variable().keys().isdisjoint((name, of_states))
 
 
-ONE_AT_LEAST = 'where it is enough that one value is as expected: holds = "any"'
 _SELECTS = (
     'a number, a quantity ("20 rpm"), a condition on the value ".", such as ". >= 7", '
     "or a list of these"
@@ -233,7 +239,7 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         text=table.text,
         variable=table.variable,
         expect=_expected(table, place, answers, report),
-        at=_selection(table.at, answers, (*place, "at"), report, table.variable),
+        at=_selection(table.at, answers, (*place, "at"), report, table.variable, narrows=True),
         holds=table.holds,
         note=table.note,
         analysis=table.analysis or "",

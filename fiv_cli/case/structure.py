@@ -418,7 +418,9 @@ class ClaimTable(Table):
         default=None, description="the claim is about one number for all along axes"
     )
     at: dict[str, Wanted] = Field(
-        default={}, description='axis -> value, list of values or condition ("0.9 <= . < 1.8")'
+        default={},
+        description='axis -> value, list of values or condition ("0.9 <= . < 1.8"); '
+        "result -> class, or classes, that it must have",
     )
     holds: Annotated[Any, PlainValidator(check_holds), WithJsonSchema(HOLDS_SCHEMA)] = Field(
         default="all", description="all, any, or the share of points that must agree"

@@ -69,6 +69,7 @@ HANDFUL = 0.005
 # Counterexamples that a finding names; the rest is counted.
 NAMED_MISSES = 3
 NOTHING = "no value"
+CHOSEN = "chosen by results"
 END = "end"
 
 
@@ -306,7 +307,10 @@ def evaluate(
     try:
         name = _holder(claim.variable, claim.analysis, analyses)
         dataset = analyses[name]
-        part, variable = _asked(dataset, claim, drawn)
+        of_results = {one: claim.at[one] for one in claim.at if one in dataset.data_vars}
+        on_axes = {axis: claim.at[axis] for axis in claim.at if axis not in of_results}
+        part, variable = _asked(dataset, replace(claim, at=on_axes), drawn)
+        part = _narrowed(part, of_results)
         match claim.expect:
             case OfClass():
                 trial = _try_class(claim.expect, part, variable)
@@ -324,12 +328,24 @@ def evaluate(
         trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
     why = ", ".join(filter(None, (_why_empty(trial, part), _why_open(trial, part))))
     verdict = _judge(trial, claim.holds, why)
+    if of_results and not verdict.points:
+        asked = ", ".join(f"{one} = {json.dumps(of_results[one])}" for one in of_results)
+        verdict = replace(verdict, found=f"{verdict.found}: no value has {asked}")
     hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
     if verdict.verdict == UNDETERMINED and trial.blurred.any():
         more = _sharpened(name, dataset, part.get(f"{variable}_width"))
         hint = f", {more}{hint}"
     of_share = margin if margin > 0.0 else None
     return replace(verdict, found=f"{verdict.found}{hint}", standard_error=of_share)
+
+
+def _narrowed(part: xr.Dataset, results: Mapping[str, Any]) -> xr.Dataset:
+    """The part with a mask of the values at which results have the classes that are wanted."""
+    chosen = xr.DataArray(True)
+    for name, wanted in results.items():
+        classes = tuple(map(str, wanted)) if isinstance(wanted, list) else (str(wanted),)
+        chosen = chosen & is_class(part[name], classes)
+    return part.assign({CHOSEN: chosen})
 
 
 def _hint(verdict: Verdict, part: xr.Dataset, variable: str) -> str:
@@ -632,10 +648,11 @@ def _values(part: xr.Dataset, variable: str, allow_undecided: bool = False) -> _
         return _ragged_values(part, variable, sizes)
     row = rows.copy(data=np.arange(rows.size).reshape(rows.shape))
     unknown = unknown_points(part, variable, allow_undecided)
-    arrays = xr.broadcast(*ends_of(part, variable), _errors(part, variable), unknown, row)
-    low, high, error, is_open, place = (a.transpose(*rows.dims, ...).values.ravel() for a in arrays)
+    told = (*ends_of(part, variable), _errors(part, variable), unknown, row, _chosen(part))
+    flat = (a.transpose(*rows.dims, ...).values.ravel() for a in xr.broadcast(*told))
+    low, high, error, is_open, place, chosen = flat
     padded = not set(part[variable].dims) <= set(rows.dims)
-    kept = ~np.isnan(low) | is_open | (not padded)
+    kept = is_open | (chosen & (~np.isnan(low) | (not padded)))
     return _Values(low[kept], high[kept], error[kept], is_open[kept], place[kept], rows)
 
 
@@ -645,12 +662,20 @@ def _errors(part: xr.Dataset, variable: str) -> xr.DataArray:
     return xr.DataArray(np.nan) if error is None else error.fillna(math.inf)
 
 
+def _chosen(part: xr.Dataset) -> xr.DataArray:
+    """Which values a claim is narrowed to by results; all, unless `_narrowed` says otherwise."""
+    return part.get(CHOSEN, xr.DataArray(True))
+
+
 def _ragged_values(part: xr.Dataset, variable: str, sizes: xr.DataArray) -> _Values:
     """Observations of every row; a row that is not known stands as one open value."""
     rows = part["status"]
     unknown = unknown_points(part, variable, False).values.ravel()
     row = select.row_of_each(sizes.transpose(*rows.dims))
-    known = ~unknown[row]
+    chosen = _chosen(part)
+    of_points = set(chosen.dims) <= set(rows.dims)
+    among = chosen.broadcast_like(rows).values.ravel()[row] if of_points else chosen.values
+    known = ~unknown[row] & among
     open_rows = np.flatnonzero(unknown)
     none, errors = np.full(open_rows.size, np.nan), _errors(part, variable)
     values = np.concatenate([part[variable].values[known], none])
