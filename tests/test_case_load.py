@@ -712,6 +712,11 @@ class TestClaims:
     def test_results_that_do_not_narrow_it(self, more: str, words: str) -> None:
         assert words in only_problem(self.claim("expect = { less_than = 3 }", more)).message
 
+    def test_what_is_a_result_and_an_axis_is_an_axis(self) -> None:
+        lines = ["[[claim]]", 'source = "a"', 'text = "b"', 'variable = "x"', "at.time = 30.0"]
+        (claim,) = parse(belt(*lines, "expect = { less_than = 3 }")).claims
+        assert claim.at == {"time": 30.0}
+
     def test_a_figure_selects_no_results(self) -> None:
         figure = [
             "[[figure]]",

@@ -161,7 +161,8 @@ def _known_of(
     places = _places(case, held, said.analysis, said.variable)
     if places is None:
         return known
-    of_results = _check_narrowed(said, known, held[places.name] or (), (*place, "at"), report)
+    beside = [one for one in held[places.name] or () if one.name not in places.own]
+    of_results = _check_narrowed(said, known, beside, (*place, "at"), report)
     on_axes = {name: wanted for name, wanted in said.at.items() if name not in of_results}
     places.check(on_axes, (*place, "at"), report, near=False)
     if said.take:
