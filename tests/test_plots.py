@@ -1516,6 +1516,8 @@ def test_lines_differ_in_colour(count):
 
 def test_dots_shrink_where_there_are_many():
     assert dot_size(10) > dot_size(100) > dot_size(1000)
+    assert dot_size(10, 3.3) == dot_size(10)
+    assert dot_size(200, 3.3) < dot_size(200)
 
 
 # --- files -------------------------------------------------------------------------------------

@@ -59,7 +59,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     judged = [(layer, told) for layer in shown for told in _judged(layer, others, axis, observed)]
     untold = len(judged) < len(shown)
     resting = _resting_words([layer.dataset for layer in shown]) if untold else ""
-    _mark(ax, clouds, style.dot_size(axis.size), resting)
+    _mark(ax, clouds, style.dot_size(axis.size, figure.get_figwidth()), resting)
     where = "" if _turns(first, observed) else ELSEWHERE
     for layer in shown:  # a dataset that belongs to several is drawn with the first of them
         parts = [_of_the_same(one, layer.dataset) for one in others]

@@ -7,6 +7,7 @@ colour in every figure.
 from __future__ import annotations
 
 import io
+import math
 import re
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -67,6 +68,7 @@ CLASSES = {
 }
 
 PANEL = (6.4, 4.2)  # inches
+ROOMY = 60  # columns of dots across it that do not crowd
 # Beyond this a vector figure is slow to open: the marks become an image inside it.
 MANY_MARKS = 20_000
 LONGEST_TEXT = 600  # characters
@@ -478,11 +480,10 @@ def class_colours(names: Sequence[str]) -> list[str]:
     return [CLASSES.get(name, LINES[index % len(LINES)]) for index, name in enumerate(names)]
 
 
-def dot_size(columns: int) -> float:
-    """Diameter (points) of the dots of a diagram with so many columns of dots side by side."""
-    if columns < 60:
-        return 2.8
-    return 1.9 if columns < 400 else 1.1
+def dot_size(columns: int, width: float = PANEL[0]) -> float:
+    """Diameter (points) of the dots of a diagram, `width` inches wide, with so many columns."""
+    roomy = ROOMY * min(1.0, width / PANEL[0])
+    return min(2.8, max(1.1, 2.8 * math.sqrt(roomy / max(columns, 1))))
 
 
 def mark_of(number: int, count: int, size: float) -> dict[str, Any]:
