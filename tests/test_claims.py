@@ -504,6 +504,7 @@ def test_less_than_leaves_points_that_the_other_case_lacks_open():
     for other in (shorter, undecided):
         verdict = tried(this, "L_s", {"less_than": "b:L_s"}, other=lambda c, o=other: {"": o})
         assert (verdict.verdict, verdict.open) == (UNDETERMINED, 1)
+        assert "(1 in what it is compared with)" in verdict.found
 
 
 def test_less_than_matches_axes_by_value_and_single_starts_by_default():

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import LogNorm, to_hex
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
@@ -1773,6 +1774,37 @@ def test_plot_refuses_what_cannot_be_drawn(stored, arguments, error, message):
     xr.Dataset({"x": 1.0}).to_netcdf(stored / "foreign.nc")
     with pytest.raises(error, match=message):
         run(plot_command, *arguments)
+
+
+def test_maps_of_several_files_are_drawn_as_one_of_them_asks_and_say_what_they_differ_in(
+    stored, monkeypatch
+):
+    titles = []
+    note = lambda figure: titles.append(" ".join(t.get_text() for t in figure.findobj(Text)))  # noqa: E731
+    monkeypatch.setattr("fiv_cli.plots.style.finish", note)
+    asked = FigureSpec("reached", "map", {"variable": "attractor"})
+    for k2, figures in ((1e3, [asked]), (2e3, [])):
+        whole = data.stability_map().attrs | data.attributes(*figures)
+        coordinate = ((), k2, {"units": "N m-1", "symbol": "k_2"})
+        dataset = data.stability_map().assign_attrs(whole).assign_coords(k2=coordinate)
+        dataset.to_netcdf(stored / f"{k2:g}.nc")
+    run(plot_command, "1000.nc", "2000.nc", "--figure", "reached", "-o", "a.png")
+    assert [("= 1000 N/m" in title, "= 2000 N/m" in title) for title in titles] == [
+        (True, False),
+        (False, True),
+    ]
+
+
+@pytest.mark.parametrize(("model", "told"), [("belt-5dof", True), ("one-of-mine", False)])
+def test_show_counts_motions_that_pass_what_the_equations_take_as_small(model, told):
+    dataset = data.stability_map().assign_attrs(model=model)
+    dims, shape = dataset["L_s"].dims, dataset["L_s"].shape
+    least = np.zeros(shape)
+    least.flat[:3] = -0.2, -0.3, np.nan
+    ends = {"phi_min": (dims, least), "phi_max": (dims, np.full(shape, 0.1))}
+    found = summarise({"": dataset.assign(ends)})
+    passed = f"phi passes 0.25 rad at 1 of {least.size} points"
+    assert (passed in "\n".join(summary_lines(found))) == told
 
 
 def test_show_counts_classes_and_ranges(stored):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import click
@@ -163,10 +164,16 @@ def _print_model(model: Model, law: str) -> None:
         _print_equations(replace(model, default_law=law))
 
 
+def _how_small(state: State) -> str:
+    """Up to where the equations hold that take a state as small."""
+    told = f", small in these equations: up to {state.small:g} {state.unit}"
+    return told if isfinite(state.small) else ""
+
+
 def _print_states(title: str, states: Sequence[State]) -> None:
     columns = ("name", "symbol", "unit", "meaning")
     if states:
-        rows = [(s.name, s.symbol, s.unit, s.meaning) for s in states]
+        rows = [(s.name, s.symbol, s.unit, s.meaning + _how_small(s)) for s in states]
         click.echo()
         print_table(title, columns, rows)
 

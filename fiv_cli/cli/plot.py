@@ -212,17 +212,33 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sour
             click.echo(f"{file}: partial, {attributes['partial']}", err=True)
         if changed := changed_since(attributes):
             click.echo(f"WARNING: {file} is drawn as it was run; {changed}", err=True)
+    lender = next((source for _, source in sources if _has_figure(source, name)), None)
     shared: list[str] = []
-    for file, source in sources:
+    for (file, source), (label, _) in zip(sources, _named(sources), strict=True):
         if name in shared:  # the figure of the first file, in which the others have their part
             return
-        for figure in _chosen(file, source, name):
+        asks = lender if lender and not _has_figure(source, name) else source
+        for figure in _chosen(file, asks, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
-            if not KINDS[figure.kind].overlays or len(files) == 1:
-                yield default, [(file, source)], figure
+            if len(files) == 1:
+                yield default, sources, figure
+            elif not KINDS[figure.kind].overlays:
+                yield default, [(file, _labelled(source, label))], figure
             elif file == files[0]:
                 shared += [figure.name, figure.kind]
                 yield default, sources, figure
+
+
+def _has_figure(source: dict[str, xr.Dataset], name: str | None) -> bool:
+    """Whether the case of a dataset has a figure of this name."""
+    from fiv_cli.plots import figures_of
+
+    return any(figure.name == name for figure in figures_of(source))
+
+
+def _labelled(source: dict[str, xr.Dataset], label: str) -> dict[str, xr.Dataset]:
+    """Analyses whose figures say what they differ in from those of the other files."""
+    return {name: one.assign_attrs(differs=label, overrides="") for name, one in source.items()}
 
 
 def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
@@ -250,6 +266,7 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
 
 
 def _named(sources: Sources) -> list[tuple[str, dict[str, xr.Dataset]]]:
+    """(what it differs in from the others, analyses) of each file."""
     from fiv_cli.plots.labels import told_apart
 
     names = told_apart([(file.stem, next(iter(source.values()))) for file, source in sources])

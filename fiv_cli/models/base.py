@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import lcm, pi
+from math import inf, lcm, pi
 from typing import TYPE_CHECKING, Protocol
 
 from fiv_cli.errors import UsageError
@@ -144,12 +144,19 @@ class Requirement:
 
 @dataclass(frozen=True)
 class State:
-    """A generalised coordinate; its velocity is the state ``name_dot``."""
+    """A generalised coordinate; its velocity is the state ``name_dot``.
+
+    Attributes
+    ----------
+    small : how great it may be in equations that take it as small; of an angle 0.25 rad, up to
+        which sin(x) is x to a hundredth. `fiv show` counts the motions that pass it.
+    """
 
     name: str
     symbol: str
     unit: str
     meaning: str
+    small: float = inf
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,7 @@ PARAMETERS = (
     Parameter("F", "F", "N", 200.0, "preload", "6.1", 0.0, role="preload"),
 )
 
-ROTATION = State("phi", r"\varphi", "rad", "rotation of the belt")
+ROTATION = State("phi", r"\varphi", "rad", "rotation of the belt", small=0.25)
 STATES = (
     State("x1", "x_1", "m", "horizontal displacement of the slider"),
     State("y1", "y_1", "m", "vertical displacement of the slider"),

@@ -71,8 +71,8 @@ PARAMETERS = (
 )
 
 STATES = (
-    State("phi", r"\varphi", "rad", "rotation of the cylinder with the pin"),
-    State("theta", r"\theta", "rad", "rotation of the L-structure"),
+    State("phi", r"\varphi", "rad", "rotation of the cylinder with the pin", small=0.25),
+    State("theta", r"\theta", "rad", "rotation of the L-structure", small=0.25),
 )
 
 

@@ -326,7 +326,9 @@ def evaluate(
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
     if margin > 0.0:  # the share of a sample, and of one that is not all alike
         trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
-    why = ", ".join(filter(None, (_why_empty(trial, part), _why_open(trial, part))))
+    compared = isinstance(claim.expect, Bounds) and bool(claim.expect.references)
+    told = _why_empty(trial, part), _why_open(trial, part, compared and not claim.take)
+    why = ", ".join(filter(None, told))
     verdict = _judge(trial, claim.holds, why)
     if of_results and not verdict.points:
         asked = ", ".join(f"{one} = {json.dumps(of_results[one])}" for one in of_results)
@@ -463,8 +465,11 @@ def _finding(trial: _Trial, hits: int, points: int, why_open: str) -> str:
     return ", ".join(part for part in parts if part)
 
 
-def _why_open(trial: _Trial, part: xr.Dataset) -> str:
-    """How many have no answer, and the reasons of their points, or else their status."""
+def _why_open(trial: _Trial, part: xr.Dataset, compared: bool) -> str:
+    """How many have no answer, and the reasons of their points, or else their status.
+
+    Those without either lack an answer in what they are `compared` with, if they are.
+    """
     rows = trial.row[trial.open & ~trial.blurred]
     if not rows.size:
         return ""
@@ -474,8 +479,10 @@ def _why_open(trial: _Trial, part: xr.Dataset) -> str:
     reasons = class_names(part["reason"]) if "reason" in part else status
     named = np.where(np.isin(reasons, ("", "none", NOT_COMPUTED)), status, reasons)[rows]
     counts = Counter(named[~np.isin(named, ("ok", ""))].tolist())
-    listed = ", ".join(f"{name} {count}" for name, count in counts.most_common())
-    return f"{told} ({listed})" if listed else told
+    listed = [f"{name} {count}" for name, count in counts.most_common()]
+    if compared and counts.total() < rows.size:
+        listed.append(f"{rows.size - counts.total()} in what it is compared with")
+    return f"{told} ({', '.join(listed)})" if listed else told
 
 
 def _why_empty(trial: _Trial, part: xr.Dataset) -> str:

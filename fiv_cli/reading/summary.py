@@ -14,7 +14,7 @@ from fiv_cli.case.report import dotted
 from fiv_cli.data.refined import described
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
 from fiv_cli.notation.amounts import with_error
-from fiv_cli.reading import each_point, over_laws, over_starts, select, shares
+from fiv_cli.reading import each_point, over_laws, over_starts, select, shares, small
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import (
     analysis_of,
@@ -82,6 +82,7 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
         "advice": _advice(dataset, told.get("kind", "")),
         "ranges": _ranges(dataset),
         **({"into_impacts": struck} if struck else {}),
+        "beyond_small": small.passing(dataset),
         "each_point": each_point.each_point(dataset),
         **({"branches_begin": begin} if begin else {}),
         **({"branch_ends": ends} if ends else {}),
@@ -256,6 +257,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *over_starts.lines(part["over_starts"]),
         *_range_lines(part["ranges"], _at_edges(part["counts"])),
         *([_impact_line(part["into_impacts"])] if "into_impacts" in part else []),
+        *small.lines(part["beyond_small"]),
         *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
         *([f"  branches begin at {part['branches_begin']}"] if "branches_begin" in part else []),
         *each_point.lines_of_ends(part.get("branch_ends", ()), _units(part)),

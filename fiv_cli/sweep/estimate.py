@@ -218,7 +218,7 @@ def _of_maps(analysis: AnalysisPlan, maps: Maps, record: Record) -> Sample:
     seconds = [high for _, (_, high) in costs]
     apart = float(np.std(seconds, ddof=1) / np.mean(seconds)) if len(costs) > 1 else 1.0
     error = apart * sqrt((1.0 - len(costs) / many) / len(costs))
-    run = sum(level.run for drawing in drawings for level in drawing.levels)
+    run = sum(int(drawing.was_run.sum()) for drawing in drawings)
     return Sample(run, sum(drawing.stored for drawing in drawings), cost, error)
 
 
