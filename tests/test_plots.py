@@ -22,6 +22,7 @@ from fiv_cli.flags import REASON, advice
 from fiv_cli.friction import get_law
 from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
 from fiv_cli.plots import labels as words
+from fiv_cli.plots.branch import stretches
 from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
@@ -258,8 +259,8 @@ def cycles_along_the_grid():
 
 
 def branch_along_the_speed(parameter="Omega", preloads=(30.0,)):
-    """The dataset of branches that turn unstable at 2 rad/s, one for each preload."""
-    count, of_branch = len(preloads), "branch_obs"
+    """The dataset of branches that turn unstable at 2.2 rad/s, one for each preload."""
+    count, of_branch, of_ends = len(preloads), "branch_obs", "cycle_end_obs"
     value = np.tile([3.0, 2.0, 1.5, 1.0], count)
     stable = ["stable", "unstable", "unstable", "unstable"] * count
     sizes = np.full((count, 1), 4, np.int32)
@@ -273,6 +274,8 @@ def branch_along_the_speed(parameter="Omega", preloads=(30.0,)):
             "branch_min": (of_branch, 0.0 * value, {"long_name": "least phi of the cycle"}),
             "branch_max": (of_branch, value, {"long_name": "greatest phi of the cycle"}),
             "branch_stable": data.flags(of_branch, stable, ("unstable", "stable")),
+            "cycle_end_row_size": (("N0", "initial"), sizes // 2, {"sample_dimension": of_ends}),
+            "cycle_end": (of_ends, np.tile([3.5, 2.2], count), {"units": "rad s-1"}),
         },
         data.axes(N0=list(preloads), initial=["followed"]),
         data.attributes(),
@@ -362,7 +365,8 @@ def test_a_branch_may_be_laid_over_a_bifurcation_diagram_along_its_parameter():
     response = data.bifurcation()
     named = [("", response), ("branch", branch_along_the_speed())]
     low, high = dashed(draw(named, figure("bifurcation")).axes[0])
-    np.testing.assert_array_equal(high, [[2.0, 2.0], [1.5, 1.5], [1.0, 1.0]])
+    begins = [2.2, 2.2]  # where it flips, which no cycle of it is computed at
+    np.testing.assert_allclose(high, [begins, [2.0, 2.0], [1.5, 1.5], [1.0, 1.0]])
     np.testing.assert_array_equal(low[:, 1], 0.0)
     other = [("", response), ("branch", branch_along_the_speed("N0"))]
     assert not dashed(draw(other, figure("bifurcation")).axes[0])
@@ -392,6 +396,21 @@ def test_only_branches_at_the_fixed_parameters_of_a_diagram_are_laid_over_it(pre
     else:
         with pytest.raises(EmptyFigureError, match="the branch branch is of other parameters"):
             draw(named, near)
+
+
+@pytest.mark.parametrize(("ends", "place"), [([2.6, 9.0], 2.6), ([3.4], 3.4), ([9.0], 2.5)])
+def test_pieces_of_a_branch_meet_where_its_stability_changes(ends, place):
+    """Also at a fold, beyond both cycles; midway where what changes it was not found."""
+    one = branch_along_the_speed().drop_dims("cycle_end_obs")
+    sizes = (
+        one["branch_row_size"]
+        .copy(data=[[len(ends)]])
+        .assign_attrs(sample_dimension="cycle_end_obs")
+    )
+    one = one.assign(cycle_end=("cycle_end_obs", ends), cycle_end_row_size=sizes)
+    (first, x, _), (then, others, _) = stretches(one, {"N0": 0, "initial": 0})
+    assert (first, then) == ("stable", "unstable")
+    assert (x[-1], others[0]) == (place, place)
 
 
 def test_each_diagram_has_the_branches_of_its_own_parameters():
@@ -574,6 +593,19 @@ def test_a_legend_stands_where_nothing_is_drawn_or_below(heights, inside, style)
     else:
         box = drawn.legends[0].get_window_extent()
         assert box.y1 < ax.xaxis.label.get_window_extent().y0
+
+
+@pytest.mark.parametrize("width", [84.0, 160.0])
+def test_a_legend_of_long_names_stays_on_the_page(width):
+    names = [f"{word} of a start with a name of many words that no line holds" for word in "ab"]
+    dataset = crossing_lines(**dict.fromkeys(names, (0.0, 1.0)))
+    drawn = draw(dataset, figure("curve", variable="L_s"), look=look_of("paper", width=width))
+    drawn.canvas.draw()
+    (legend,) = drawn.legends or [drawn.axes[0].get_legend()]
+    box = legend.get_window_extent()
+    assert box.x0 >= 0.0 and box.x1 <= drawn.bbox.x1 and box.y0 >= 0.0
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert [text.replace("\n", " ") for text in texts] == names
 
 
 def test_a_legend_on_the_axis_of_a_user_stays_in_it():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cache
+from json import dumps
 from math import inf
 
 from fiv_cli.analyses import all_analyses, get_analysis
@@ -85,6 +86,13 @@ def named(name: str) -> Variable:
     known, ending = every_variable(), name.rpartition("_")[2]
     plain = Variable(name, "1", name)
     return known.get(name) or known.get(f"state_{ending}") or plain
+
+
+def computed_by(name: str) -> str:
+    """Which kinds of analyses compute a variable, as a hint; "" where none has one of this name."""
+    every = all_analyses().items()
+    kinds = [kind for kind, one in every if name in {v.name for v in possible_variables(one)}]
+    return f"[[analysis]] kind = {' or '.join(map(dumps, kinds))} computes it" if kinds else ""
 
 
 def own_dims() -> list[str]:

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.catalogue import ALL_ASKED, variables_of
+from fiv_cli.analyses.catalogue import ALL_ASKED, computed_by, variables_of
 from fiv_cli.analyses.variables import COMPUTED, Variable, derived
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import Bounds, OfClass, Reference, Trend, parse_condition
@@ -361,6 +361,8 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
             told = f'what another case found is held against: expect = {{ less_than = "{name}" }}'
             told = f'case = "{case}", variable = "{of_it}"' if "expect" in place else told
         meant = variable_meant(name, variables) or suggest(name, variables)
+        if given := computed_by(name):
+            meant = f"{meant or told}; {given}"
         report.unknown(place, message, name, variables, told if ":" in name else meant or told)
     return name in known
 

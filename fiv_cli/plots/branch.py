@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -94,12 +95,33 @@ def is_of(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
 def stretches(
     dataset: xr.Dataset, index: Mapping[str, int]
 ) -> Iterator[tuple[str, np.ndarray, list[np.ndarray]]]:
-    """Stability, values of the parameter and both extremes of each piece of a branch."""
-    row = _rows(dataset, ALONG, index)
+    """Stability, values of the parameter and both extremes of each piece of a branch.
+
+    Pieces meet where the stability changes: at what was bisected, between two cycles.
+    """
+    row, ends = _rows(dataset, ALONG, index), _rows(dataset, "cycle_end", index)
     stability = class_names(dataset["branch_stable"])[row]
-    for piece in _pieces(stability):
-        value, *extremes = (dataset[name].values[row][piece] for name in (ALONG, *EXTREMES))
-        yield str(stability[piece.start]), value, extremes
+    cycles = np.stack([dataset[name].values[row] for name in (ALONG, *EXTREMES)])
+    changes = (np.flatnonzero(stability[1:] != stability[:-1]) + 1).tolist()
+    known = dataset["cycle_end"].values[ends]
+    met = {at: _between(cycles[:, at - 1], cycles[:, at], known) for at in changes}
+    for begin, end in pairwise([0, *changes, len(stability)] if len(stability) else []):
+        joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
+        value, *extremes = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
+        yield str(stability[begin]), value, extremes
+
+
+def _between(before: np.ndarray, after: np.ndarray, changes: np.ndarray) -> np.ndarray:
+    """Value of the parameter and extremes where two cycles that follow one another change.
+
+    That is the nearest of the changes; at a fold it lies beyond both. None of their own step:
+    midway.
+    """
+    middle, step = 0.5 * (before[0] + after[0]), abs(after[0] - before[0])
+    near = changes[np.abs(changes - middle) <= 1.5 * step]
+    at = near[np.argmin(np.abs(near - middle))] if near.size else middle
+    share = np.clip((at - before[0]) / (after[0] - before[0]), 0.0, 1.0) if step else 0.5
+    return np.array([at, *(before + share * (after - before))[1:]])
 
 
 def _length(dataset: xr.Dataset, index: Mapping[str, int]) -> int:
@@ -115,15 +137,6 @@ def _rows(dataset: xr.Dataset, name: str, index: Mapping[str, int]) -> slice:
     ends = np.cumsum(sizes.values.ravel())
     place = int(np.ravel_multi_index([index[str(dim)] for dim in sizes.dims], sizes.shape))
     return slice(int(ends[place] - sizes.values.ravel()[place]), int(ends[place]))
-
-
-def _pieces(words: np.ndarray) -> Iterator[slice]:
-    """Runs of equal words, each with the first of the next run: a line without gaps."""
-    changes = np.flatnonzero(words[1:] != words[:-1]) + 1
-    begins = [0, *changes.tolist()]
-    for begin, end in zip(begins, [*begins[1:], len(words)], strict=True):
-        if end > begin:
-            yield slice(begin, min(end + 1, len(words)))
 
 
 def _marks(

@@ -241,21 +241,25 @@ def _letters(inches: float) -> int:
 
 def longest(words: Sequence[str]) -> int:
     """How many letters the longest of some words has when it is set."""
-    return max((len(MARKUP.sub("", word)) for word in words), default=0)
+    return max(
+        (len(MARKUP.sub("", line)) for word in words for line in word.split("\n")), default=0
+    )
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """A legend under the panels, in as many columns as there is room for."""
-    words = [str(handle.get_label()) for handle in handles]
+    most = letters(figure) - KEY_LETTERS
+    words = [_folded(str(handle.get_label()), most) for handle in handles]
     beside = letters(figure) // (KEY_LETTERS + longest(words))
     columns = max(1, min(beside, len(words)))
     if words:
         even_keys(
             figure.legend(
-                handles=handles, loc="outside lower center", ncols=columns, title=title or None
+                handles, words, loc="outside lower center", ncols=columns, title=title or None
             )
         )
-    make_room(figure, bool(title) - (-len(words) // columns))
+    lines = sum(1 + word.count("\n") for word in words)
+    make_room(figure, bool(title) - (-lines // columns))
 
 
 def even_keys(legend: Legend) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from fiv_cli.analyses.catalogue import computed_by
 from fiv_cli.case.words import variable_meant
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
@@ -94,7 +95,8 @@ def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dat
         return analyses[having[0]]
     known = {str(name): None for one in analyses.values() for name in one.data_vars}
     for name in names:
-        if hint := variable_meant(name, known) if name not in known else "":
+        hints = [] if name in known else [variable_meant(name, known), computed_by(name)]
+        if hint := "; ".join(filter(None, hints)):
             raise UsageError(f"there is no variable {name!r}; {hint}")
         pick(name, known, "variable", "fiv show FILE.nc")
     raise UsageError(f"{', '.join(names)}: no analysis has all of these\nnext: a table for each")
