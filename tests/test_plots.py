@@ -26,7 +26,7 @@ from fiv_cli.plots.branch import stretches
 from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
-from fiv_cli.plots.style import class_colours, dot_size, line_colours, tame_texts
+from fiv_cli.plots.style import BLACK, class_colours, dot_size, line_colours, tame_texts
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
 
@@ -336,6 +336,9 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     begin = sorted(line.get_xdata()[np.isfinite(line.get_ydata())].min() for line in drawn)
     assert begin == [omega[words == "stable"][0], omega[omega >= 4.0][0]]
     assert len({to_hex(line.get_color()) for line in drawn}) == 2
+    (ax,) = draw([("one", analyses), ("two", analyses)], figure("bifurcation")).axes
+    drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
+    assert to_hex(drawn[-1].get_color()) == BLACK.lower()  # upon the same of the other diagram
 
 
 def later_stable(eigenvalues):

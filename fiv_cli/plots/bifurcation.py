@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
@@ -284,10 +285,20 @@ def _draw_equilibria(
         own = None if colours else called
         for label, values in drawn:
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
-            ax.plot(points.positions(axis), values, dashes, lw=weight, zorder=3.5,
-                    color=next(of_line, style.BLACK), label=own)  # fmt: skip
+            (line,) = ax.plot(points.positions(axis), values, dashes, lw=weight, zorder=3.5,
+                              color=next(of_line, style.BLACK), label=own)  # fmt: skip
+            _blacken_if_hidden(ax, line)
         if colours and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
+
+
+def _blacken_if_hidden(ax: Axes, line: Line2D) -> None:
+    """What is the same in two diagrams is of neither's colour: the later would hide the other."""
+    for other in ax.lines[:-1]:
+        own, its = line.get_xydata(), other.get_xydata()
+        alike = other.get_linestyle() == line.get_linestyle() and own.shape == its.shape
+        if alike and np.allclose(own, its, atol=0.0, equal_nan=True):
+            line.set_color(style.BLACK)
 
 
 def _linearised_at(diagram: xr.Dataset) -> int:
