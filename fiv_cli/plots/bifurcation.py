@@ -295,7 +295,7 @@ def _draw_equilibria(
 def _blacken_if_hidden(ax: Axes, line: Line2D) -> None:
     """What is the same in two diagrams is of neither's colour: the later would hide the other."""
     for other in ax.lines[:-1]:
-        own, its = line.get_xydata(), other.get_xydata()
+        own, its = (np.asarray(one.get_xydata()) for one in (line, other))
         alike = other.get_linestyle() == line.get_linestyle() and own.shape == its.shape
         if alike and np.allclose(own, its, atol=0.0, equal_nan=True):
             line.set_color(style.BLACK)
