@@ -68,6 +68,7 @@ CLASSES = {
 }
 
 PANEL = (6.4, 4.2)  # inches
+TABLES = (".csv", ".dat", ".txt", ".tsv")
 ROOMY = 60  # columns of dots across it that do not crowd
 # Beyond this a vector figure is slow to open: the marks become an image inside it.
 MANY_MARKS = 20_000
@@ -565,9 +566,10 @@ def save(figure: Figure, path: str | Path, look: Look | None = None) -> None:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in UNDATED:
-        raise UsageError(
-            f"{path}: figures are written as {', '.join(UNDATED)}\nuse -o {path.stem or 'NAME'}.png"
-        )
+        told = f"{path}: figures are written as {', '.join(UNDATED)}"
+        numbers = "; what they show, as numbers: fiv show FILE.nc --csv VARIABLE,VARIABLE"
+        table = numbers if suffix in TABLES else ""
+        raise UsageError(f"{told}\nuse -o {path.stem or 'NAME'}.png{table}")
     refuse_special(path)
     image = io.BytesIO()
     with looks(look=look):
