@@ -1801,7 +1801,7 @@ def test_plot_draws_loops_of_laws_with_their_parameters(stored):
         (["broken.nc"], InputError, "broken.nc"),
         (["foreign.nc"], InputError, "holds no case"),
         (["history.nc", "--figure", "portrait"], UsageError, "there are: history, phase"),
-        (["history.nc", "-o", "a.gif"], UsageError, "use -o a.png$"),
+        (["history.nc", "-o", "a.gif"], UsageError, "use -o a.*png"),
         (["history.nc", "-o", "a.csv"], UsageError, "fiv show FILE.nc --csv VARIABLE"),
     ],
 )
