@@ -311,25 +311,15 @@ def evaluate(
         on_axes = {axis: claim.at[axis] for axis in claim.at if axis not in of_results}
         part, variable = _asked(dataset, replace(claim, at=on_axes), drawn)
         part = _narrowed(part, of_results)
-        match claim.expect:
-            case OfClass():
-                trial = _try_class(claim.expect, part, variable)
-            case Trend():
-                trial = _try_trend(claim.expect, part, variable)
-            case Bounds():
-                stored = lambda case: other(case) if case else analyses  # noqa: E731
-                trial = _try_bounds(claim.expect, part, variable, claim.at, stored)
+        trial = _try(claim, part, variable, lambda case: other(case) if case else analyses)
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
-    if END in part.attrs and (part[variable] == part.attrs[END]).any():
-        trial = replace(trial, found=f"{trial.found} (an end of the axis)")
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
     if margin > 0.0:  # the share of a sample, and of one that is not all alike
         trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
     compared = isinstance(claim.expect, Bounds) and bool(claim.expect.references)
     told = _why_empty(trial, part), _why_open(trial, part, compared and not claim.take)
-    why = ", ".join(filter(None, told))
-    verdict = _judge(trial, claim.holds, why)
+    verdict = _judge(trial, claim.holds, ", ".join(filter(None, told)))
     if of_results and not verdict.points:
         asked = ", ".join(f"{one} = {json.dumps(of_results[one])}" for one in of_results)
         verdict = replace(verdict, found=f"{verdict.found}: no value has {asked}")
@@ -339,6 +329,19 @@ def evaluate(
         hint = f", {more}{hint}"
     of_share = margin if margin > 0.0 else None
     return replace(verdict, found=f"{verdict.found}{hint}", standard_error=of_share)
+
+
+def _try(claim: ClaimSpec, part: xr.Dataset, variable: str, stored: Stored) -> _Trial:
+    """What is expected, tried on every value."""
+    match claim.expect:
+        case OfClass():
+            trial = _try_class(claim.expect, part, variable)
+        case Trend():
+            trial = _try_trend(claim.expect, part, variable)
+        case Bounds():
+            trial = _try_bounds(claim.expect, part, variable, claim.at, stored)
+    at_end = END in part.attrs and bool((part[variable] == part.attrs[END]).any())
+    return replace(trial, found=f"{trial.found} (an end of the axis)") if at_end else trial
 
 
 def _narrowed(part: xr.Dataset, results: Mapping[str, Any]) -> xr.Dataset:
