@@ -367,6 +367,14 @@ def test_a_mass_at_rest_stays_for_ever() -> None:
     assert list(begun.y) == [0.3, 0.0]
 
 
+@pytest.mark.parametrize("law", ["coulomb", "stribeck"])
+def test_what_stands_still_is_stepped_over_however_short_the_last_slip(law: str) -> None:
+    run = motion("belt-1dof", law, {"x": 0.1, "x_dot": 1e-7}, v=0.0)
+    assert run.run(1000.0) == Stop.REACHED
+    assert (run.n_events, run.y[1]) == (1, 0.0)
+    assert run.n_steps < 20
+
+
 @pytest.mark.parametrize("psi_a", [0.0, -1.0])
 @pytest.mark.parametrize("speed", [0.0, 2.0, 5.0])
 def test_a_pin_on_the_border_of_its_sector(psi_a: float, speed: float) -> None:

@@ -419,11 +419,24 @@ def within_plateau(series: Floats, offset: int, order: int, step: float) -> floa
 
 
 @native
+def stands_still(run: Run, index: int) -> bool:
+    """Whether neither a state nor a switching function changes over a step."""
+    for row in range(run.n_states + run.n_guards[index]):
+        first = row * (run.order + 1)
+        for k in range(1, run.order + 1):
+            if run.series[first + k] != 0.0:
+                return False
+    return run.has_angle[index] == 0
+
+
+@native
 def polynomial_step(run: Run, index: int) -> float:
     """Step for a motion that is a polynomial, exact over any length.
 
     Roots are located as fractions of the step, so it must not dwarf the time to the next event.
     """
+    if stands_still(run, index):
+        return ENDLESS
     usual, step = POLYNOMIAL_STEPS * run.last_step, ENDLESS
     for g in range(run.n_guards[index]):
         offset = (run.n_states + g) * (run.order + 1)
