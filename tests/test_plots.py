@@ -27,6 +27,7 @@ from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.plots.style import BLACK, class_colours, dot_size, line_colours, tame_texts
+from fiv_cli.reading.datasets import flag_names
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
 
@@ -1104,6 +1105,22 @@ def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
         draw(dataset, figure(kind, variable="phi", contact=3))
     alone = draw(data.history(labels=("far",)), figure(kind, variable="phi"))
     assert alone.legends[0].get_title().get_text() == ""
+
+
+@pytest.mark.parametrize("kind", ["history", "phase"])
+def test_sticks_of_other_contacts_are_marked_where_none_is_asked_for(kind):
+    dataset = data.history(labels=("far",))
+    states = dataset["contact_state"].expand_dims(contact=[1, 2], axis=1).copy()
+    held = [n for n, word in flag_names(states.attrs).items() if word == "stick"]
+    states[:, 1] = held[0]
+    dataset["contact_state"] = states
+    told = {}
+    for asked in (None, 1, 2):
+        settings = {} if asked is None else {"contact": asked}
+        (legend,) = draw(dataset, figure(kind, variable="phi", **settings)).legends
+        told[asked] = [text.get_text() for text in legend.get_texts()]
+    assert "contact 2 sticks" in told[None] and "contact 1 sticks" not in told[None]
+    assert not any("sticks" in word for word in told[1] + told[2])
 
 
 def test_other_variables_of_a_history_can_be_asked_for():

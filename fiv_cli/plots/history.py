@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.patches import Patch
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 suits = motion.suits
+OTHER_STICKS: dict[str, Any] = {"fill": False, "hatch": "//", "ec": style.GREY, "lw": 0.0}
 SHADE = 0.35
 
 
@@ -33,7 +34,10 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         if row == len(names) - 1:
             ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
     contact = motion.named_contact(dataset, settings)
-    _legend(figure, axes, motion.states_present(motions, settings), contact)
+    others = [
+        Patch(label=words, **OTHER_STICKS) for words in motion.others_sticking(motions, settings)
+    ]
+    _legend(figure, axes, motion.states_present(motions, settings), others, contact)
     return figure
 
 
@@ -41,6 +45,8 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
     many = one.time.size > style.MANY_MARKS
     for state, begin, end in motion.contact_spans(one, settings):
         ax.axvspan(begin, end, color=style.CLASSES[state], alpha=SHADE, lw=0)
+    for _, begin, end in motion.other_sticks(one, settings):
+        ax.axvspan(begin, end, **OTHER_STICKS)
     values = motion.of_contact(one.data[name], settings)
     if "point" in one.data[name].dims:
         for curve, label in zip(values, motion.places(one), strict=True):
@@ -53,11 +59,17 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
     points.scale(ax, settings)
 
 
-def _legend(figure: Figure, axes: Sequence[Axes], states: Sequence[str], contact: str) -> None:
+def _legend(
+    figure: Figure,
+    axes: Sequence[Axes],
+    states: Sequence[str],
+    others: Sequence[Patch],
+    contact: str,
+) -> None:
     """What the lines of points are, and the shades."""
     places, _ = style.told_in(axes)
     handles = [
         Patch(color=style.CLASSES[state], alpha=SHADE, lw=0, label=motion.CONTACT_STATES[state])
         for state in states
     ]
-    style.legend_below(figure, [*places, *handles], contact)
+    style.legend_below(figure, [*places, *handles, *others], contact)

@@ -249,6 +249,26 @@ def states_present(every: Sequence[Motion], settings: points.Settings) -> list[s
     return [name for name in CONTACT_STATES if name in seen]
 
 
+def other_sticks(motion: Motion, settings: points.Settings) -> Iterator[tuple[int, float, float]]:
+    """(contact, begin, end in s) of each stick of a contact that the colours are not about.
+
+    None where the figure says which one it is about.
+    """
+    known = motion.data["contact_state"].coords.get("contact")
+    if "contact" in settings or known is None or not known.ndim:
+        return
+    for contact in known.values.tolist()[1:]:
+        for state, begin, end in contact_spans(motion, {**settings, "contact": contact}):
+            if state == "stick":
+                yield contact, begin, end
+
+
+def others_sticking(every: Sequence[Motion], settings: points.Settings) -> list[str]:
+    """Legend entries of these sticks."""
+    seen = {contact for motion in every for contact, _, _ in other_sticks(motion, settings)}
+    return [f"contact {contact} sticks" for contact in sorted(seen)]
+
+
 def named_contact(dataset: xr.Dataset, settings: points.Settings) -> str:
     """Which contact the colours are about, where there are several."""
     states = dataset["contact_state"]

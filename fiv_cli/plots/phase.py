@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.collections import LineCollection
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 suits = motion.suits
 FEWEST_SMOOTH = 4  # samples of a stretch that a spline is put through
 FINER = 6
+OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": (0, (1, 1.5)), "lw": 2.0, "zorder": 3}
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
@@ -38,7 +39,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         motion.states_present(motions, settings),
         motion.named_contact(dataset, settings),
     )
-    _legend(figure, present, contact, _shows_starts(dataset, settings))
+    others = motion.others_sticking(motions, settings)
+    _legend(figure, present, others, contact, _shows_starts(dataset, settings))
     return figure
 
 
@@ -73,6 +75,9 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
                 rasterized=many,
             )
         )  # fmt: skip
+    for _, begin, end in motion.other_sticks(one, settings):
+        part = slice(*np.searchsorted(one.drawn_time, (begin, end)) + np.array([0, 1]))
+        ax.plot(*_smooth(one.drawn_time[part], path[part]).T, **OTHER_STICKS)
     if _shows_starts(one.data, settings):
         ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK)
     held = float(one.data["static_capacity"]) if "static_capacity" in one.data else np.nan
@@ -100,11 +105,14 @@ def _spline(time: np.ndarray, path: np.ndarray) -> np.ndarray:
     return smooth
 
 
-def _legend(figure: Figure, states: Sequence[str], contact: str, with_start: bool) -> None:
+def _legend(
+    figure: Figure, states: Sequence[str], others: Sequence[str], contact: str, with_start: bool
+) -> None:
     handles = [
         Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state])
         for state in states
     ]
+    handles += [Line2D([], [], label=words, **OTHER_STICKS) for words in others]
     start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
     handles += [start] * with_start
     style.legend_below(figure, handles, contact)
