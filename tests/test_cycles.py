@@ -407,22 +407,33 @@ def test_what_a_multiplier_does_at_the_unit_circle(before: Any, after: Any, kind
 
 
 @pytest.mark.parametrize(
-    ("slopes", "gone", "turned"),
+    ("slopes", "multipliers", "gone", "turned"),
     [
-        ((0.5, 0.5), 0.1, 1.0),
-        ((0.5, 0.5), -0.1, None),  # up at both, but down between them
-        ((-0.5, -0.5), 0.1, None),
-        ((0.5, -0.5), 0.1, -1.0),  # no fold so near
-        ((0.05, -0.05), 0.1, 1.0),  # a fold
+        ((0.5, 0.5), (0.7, 0.8), 0.1, 1.0),
+        ((0.5, 0.5), (0.7, 0.8), -0.1, None),  # up at both, but down between them
+        ((-0.5, -0.5), (0.7, 0.8), 0.1, None),
+        ((0.5, -0.5), (0.7, 0.8), 0.1, -1.0),  # no fold so near
+        ((0.05, -0.05), (0.9, 1.1), 0.1, 1.0),  # a fold
+        ((0.05, -0.05), (0.98, 0.99), 0.1, 1.0),
+        ((0.25, -0.001), (0.738, 0.739), 0.1, None),  # no multiplier passes 1
     ],
 )
-def test_directions_suit_where_the_parameter_went(slopes: Any, gone: float, turned: Any) -> None:
+def test_directions_suit_where_the_parameter_went(
+    slopes: Any, multipliers: Any, gone: float, turned: Any
+) -> None:
     line = Continuation(coulomb_belt(), Varied("v"), (0.5, 2.0), 1e-6)
     found = close(line.problem, Anchor(np.array([2.3, -1.97]), (False,)), 7.6, np.ones(2))
     assert found is not None
     point = first_point(line, found, 1.0, True)
     assert point is not None
-    before, after = (replace(point, tangent=np.array([1.0, slope])) for slope in slopes)
+    before, after = (
+        replace(
+            point,
+            tangent=np.array([1.0, slope]),
+            cycle=replace(found, multipliers=np.array([1.0, multiplier])),
+        )
+        for slope, multiplier in zip(slopes, multipliers, strict=True)
+    )
     kept = _unreversed(before, after, gone)
     assert (None if kept is None else kept.slope / slopes[1]) == turned
 
@@ -443,6 +454,18 @@ def test_the_pin_s_stick_slip_exists_beyond_what_starts_reach() -> None:
     )
     assert flip == pytest.approx(1.90190, abs=2e-5)
     assert at_flip.status == "ok"
+
+
+@pytest.mark.parametrize("bracket", [(0.5, 20.0), (0.5, 16.0), (0.5, 12.0), (2.0, 6.0)])
+def test_the_end_of_a_branch_is_one_whatever_its_bracket(bracket: tuple[float, float]) -> None:
+    """Another stable cycle lies 0.03 rad beside it, on to 9.66 rad/s: a long step must not land
+    there. At its end, a grazing, no multiplier is near 1 and its direction has no limit."""
+    named = {"phi": 0.073874, "theta": -0.044935, "phi_dot": 2.5, "theta_dot": 5.23226}
+    found = cycle(
+        "pin-on-disc", start=named, branch=("Omega", *bracket), Omega=2.5, N0=30.0, c1=2e-3, c2=2e-3
+    )
+    assert found.values["cycle_highest_kind"] == "grazing"
+    assert abs(found.values["cycle_highest"] - 3.63957643) <= found.values["cycle_highest_error"]
 
 
 def landing_slope(model: str, carried: Any, changes: dict[str, float]) -> float:

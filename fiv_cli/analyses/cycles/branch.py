@@ -44,13 +44,17 @@ from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.system import Vector
 from fiv_cli.flags import CYCLE_END
 
-FIRST, LONGEST, SHORTEST = 0.01, 0.1, 1e-10  # lengths of a step along the branch
+FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-10  # lengths of a step along the branch
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
-ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen
-REACH = 10.0  # times ASTRAY: a cycle that seems to lie further off is not looked for
+ASTRAY = 0.2  # share of a step by which the cycle found may lie off the cycle foreseen
+STRAIGHT = 0.005  # share of it by which a cycle of another branch lies off at least ...
+OFF = 1e-5  # ... and distance
+MIRRORED = 0.25  # share of its bend by which an arc may fail to be its own mirror image
+REACH = 35.0  # times ASTRAY: a cycle that seems to lie further off is not looked for
 DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
-MOST_POINTS = 400
+JUMPED = 10.0  # of the change to one side of the parameter: one so much greater is a jump
+MOST_POINTS = 800
 TRIES = 5  # steps tried, per point allowed
 BISECTIONS = 200
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
@@ -58,7 +62,8 @@ ASIDE = 0.05  # share of the way to a change by which a step ends beside where i
 HALVINGS = 40  # of a stretch in which a jump is looked for
 APART = 1e-3  # share of its extent by which a motion over a period jumps at least
 CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
-AHEAD = 0.2  # distance from there within which it is looked for
+AHEAD = 0.2  # distance from there within which it is looked for ...
+BESIDE = 0.1  # ... and found
 NEARBY = 4.0  # steps within which what lies beyond a change must have been found
 AROUND = 60  # points allowed on the way back to the end
 MEETING = 1e-4  # share of the bracket within which two branches end at one value
@@ -67,6 +72,7 @@ EDGE = 1e-12  # share of the bracket within which a value counts as its edge
 STEEP = 0.3  # a direction with more of the parameter in it than this is well off a fold
 UPRIGHT = 0.1  # a direction with less of the parameter in it than this is about to turn
 SHRUNK = 1e-2  # a cycle this much smaller than the first one may be about to vanish
+CLOSE_TO_ONE = 0.05  # a multiplier may pass 1 within a step from there
 ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a real one
 
 FLIP, TORUS, FOLD, BRANCHING = "flip", "torus", "fold", "branching"
@@ -204,7 +210,7 @@ def _jacobian(
     """Derivative of the closing conditions by `own` and by the parameter over the bracket's extent.
 
     The last by central differences, where multipliers are large nothing less will do; to one side
-    where the other side's events are others; None where there is neither.
+    where the other side's events are others, or its motion jumps; None where there is neither.
     """
     sides: list[tuple[float, Vector]] = []
     for shift in (-DIFFERENCE * line.span, DIFFERENCE * line.span):
@@ -214,10 +220,15 @@ def _jacobian(
             sides.append((shift, frame.values(beside, own)))
     if not sides:
         return None
-    if len(sides) == 1:
-        sides.append((0.0, frame.values(here, own)))
-    (low, before), (high, after) = sides
-    return np.column_stack([frame.jacobian(here), (after - before) / (high - low) * line.span])
+    along = _rate(sides, frame.values(here, own)) * line.span
+    return np.column_stack([frame.jacobian(here), along])
+
+
+def _rate(sides: Sequence[tuple[float, Vector]], values: Vector) -> Vector:
+    """Rate of change of `values`, from what they are a little to one side or both."""
+    rates = sorted(((there - values) / shift for shift, there in sides), key=np.linalg.norm)
+    jumps = np.linalg.norm(rates[-1]) > JUMPED * np.linalg.norm(rates[0])
+    return rates[0] if jumps else np.mean(rates, axis=0)
 
 
 def _across(inverse: Matrix, tangent: Vector, row: Vector) -> Matrix:
@@ -265,7 +276,28 @@ def _corrected(
     root = newton(conditions, foreseen, bordered, REACH * astray)
     if root is None or float(np.linalg.norm(root[0] - foreseen)) > astray:
         return None
-    return _point(line, here, *root)
+    return None if _leaves(here, *root) else _point(line, here, *root)
+
+
+def _leaves(here: Point, unknowns: Vector, found: Equations) -> bool:
+    """Whether the way to a cycle is no arc of the branch, but leads to another one beside it.
+
+    An arc leaves its chord as it comes back to it: the directions of the branch at both ends mirror
+    each other in the chord. Of two branches side by side they point the same way.
+    """
+    gone = unknowns - here.unknowns
+    length = float(np.linalg.norm(gone))
+    chord = gone / length
+    ahead = float(chord @ here.tangent)
+    if np.linalg.norm(chord - ahead * here.tangent) <= max(STRAIGHT, OFF / length):
+        return False
+    inverse = inverse_of(found.jacobian())
+    if inverse is None:
+        return True
+    there = inverse[:, -1] * np.sign(chord @ inverse[:, -1]) / np.linalg.norm(inverse[:, -1])
+    mirrored = 2.0 * ahead * chord - here.tangent
+    bent = np.linalg.norm(there - here.tangent)
+    return bool(np.linalg.norm(there - mirrored) > MIRRORED * bent)
 
 
 def _with_row(jacobian: Matrix | None, row: Vector) -> Matrix | None:
@@ -295,7 +327,8 @@ def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
     """`point` with a direction that suits where the parameter has `gone` since `before`.
 
     Between cycles of the same events: where both directions contradict it the step has jumped, and
-    there is no point; where the new one alone does, well off a fold, it is turned round.
+    there is no point, nor where the branch seems to turn and cannot; where the new one alone
+    contradicts it, well off a fold, it is turned round.
     """
     if before.cycle.signature != point.cycle.signature:
         return point
@@ -303,7 +336,19 @@ def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
     if ahead < 0.0 < onward:
         return None
     steep = min(abs(before.slope), abs(point.slope)) > STEEP
-    return replace(point, tangent=-point.tangent) if steep and onward < 0.0 < ahead else point
+    if steep and onward < 0.0 < ahead:
+        return replace(point, tangent=-point.tangent)
+    return point if onward >= 0.0 or _can_turn(before.cycle, point.cycle) else None
+
+
+def _can_turn(before: Cycle, after: Cycle) -> bool:
+    """Whether a multiplier passes 1 between two cycles, as it does where their branch turns.
+
+    None does where a motion is about to graze, and the direction of the branch has no limit.
+    """
+    gaps = [1.0 - np.array(cycle.nontrivial) for cycle in (before, after)]
+    close = min(float(np.min(np.abs(gap), initial=np.inf)) for gap in gaps) < CLOSE_TO_ONE
+    return close or bool(np.prod(gaps[0]).real * np.prod(gaps[1]).real < 0.0)
 
 
 def _within(line: Continuation, value: float) -> float:
@@ -676,6 +721,6 @@ def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | No
     if first is None or first.around.events == here.cycle.around.events:
         return None
     root = newton(conditions, guess, reach=AHEAD)
-    if root is None or np.linalg.norm(root[0] - here.unknowns) > LONGEST:
+    if root is None or np.linalg.norm(root[0] - here.unknowns) > BESIDE:
         return None
     return _point(line, here, *root)

@@ -162,7 +162,11 @@ ANALYSIS = Analysis(
             "along which the branch is followed: no axis of the grid",
             partner="bracket",
         ),
-        Bracket("bracket", "how far the branch is followed", partner="parameter"),
+        Bracket(
+            "bracket",
+            "how far the branch is followed; a change and back within a twentieth may be missed",
+            partner="parameter",
+        ),
         Number(
             "width",
             "width to which its ends are bracketed, as a share of the bracket",
