@@ -139,6 +139,18 @@ def test_the_worst_offender_is_shown() -> None:
     assert "3 against 4 at mu_k=0.2, initial=near" in found.text
 
 
+@pytest.mark.parametrize(("kind", "told"), [("random", True), ("state", False)])
+def test_random_starts_that_are_others_are_told(kind: str, told: bool) -> None:
+    case = f'[[initial]]\nlabel = "far"\nkind = "{kind}"\n'
+    labels = {"initial": ["far-000", "far-001"], "state": ["x"]}
+    places = xr.DataArray([[[0.1], [0.2]]] * 2, dims=("mu_k", "initial", "state"))
+    one = dataset().assign(initial_state=places).assign_coords(labels).assign_attrs(case=case)
+    assert differences(one, left=one) == []
+    found = differences(one.assign(initial_state=places + 0.3), left=one)
+    assert [one.what for one in found] == ["initial"] * told + ["initial_state"]
+    assert not told or "drawn anew" in found[0].text
+
+
 def test_axes_in_another_order_are_one_difference() -> None:
     """By place every point would be another."""
     other = dataset()

@@ -147,6 +147,23 @@ def test_marks_of_gaps_stand_below_all_points_a_row_for_each_line_of_each_datase
     assert limited.axes[0].get_ylim() == (0, 1)
 
 
+def test_gaps_of_all_lines_of_one_of_two_datasets_are_its():
+    one, other = data.bifurcation(), data.bifurcation()
+    one["status"][:] = data.STATUS.index("ok")
+    other["status"][:] = other["status"].values[:, 1:]
+    (ax,) = draw([("one", one), ("other", other)], figure("curve", variable="L_s")).axes
+    assert [text for text in legend_texts(ax) if text.startswith("failed")] == ["failed: other"]
+
+
+def test_of_several_files_each_shows_those_of_the_starts_selected_that_it_has():
+    dataset = data.bifurcation()
+    sources = [("one", dataset), ("two", dataset.isel(initial=[0]))]  # near alone
+    (ax,) = draw(sources, figure("curve", select={"initial": ["near", "far"]})).axes
+    assert {"one, near", "one, far", "two"} <= set(legend_texts(ax))
+    with pytest.raises(UsageError, match="initial = fra: not in this dataset"):
+        draw(sources, figure("curve", select={"initial": ["near", "fra"]}))
+
+
 def test_gaps_of_too_many_lines_are_nobodys():
     dataset = data.bifurcation()
     many = [(label, dataset) for label in ("one", "two", "three", "four")]
@@ -334,9 +351,19 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     later = {"response": response, "eigenvalues": later_stable(eigenvalues)}
     (ax,) = draw([("one", analyses), ("two", later)], figure("bifurcation")).axes
     drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
-    begin = sorted(line.get_xdata()[np.isfinite(line.get_ydata())].min() for line in drawn)
-    assert begin == [omega[words == "stable"][0], omega[omega >= 4.0][0]]
-    assert len({to_hex(line.get_color()) for line in drawn}) == 2
+    begin = {
+        to_hex(line.get_color()): line.get_xdata()[np.isfinite(line.get_ydata())].min()
+        for line in drawn
+    }
+    # where both are stable black, upon the colours of both
+    assert begin.pop(BLACK.lower()) == omega[omega >= 4.0][0]
+    assert sorted(begin.values()) == [omega[words == "stable"][0], omega[omega >= 4.0][0]]
+    short = {name: one.isel(Omega=slice(35)) for name, one in analyses.items()}
+    (ax,) = draw([("all", analyses), ("part", short)], figure("bifurcation")).axes
+    drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
+    x, y = drawn[-1].get_data()
+    assert to_hex(drawn[-1].get_color()) == BLACK.lower() and x.max() == omega[34]
+    assert {*x[np.isfinite(y)]} == {*omega[:35][words[:35] == "stable"]}
     (ax,) = draw([("one", analyses), ("two", analyses)], figure("bifurcation")).axes
     drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
     assert to_hex(drawn[-1].get_color()) == BLACK.lower()  # upon the same of the other diagram
@@ -426,6 +453,8 @@ def test_each_diagram_has_the_branches_of_its_own_parameters():
         made[f"ends-{value}"] = ends
     names = words.told_apart([*made.items()])
     assert [name.partition(" = ")[2] for name in names] == ["20 N", "20 N", "30 N", "30 N"]
+    another = ("begun-elsewhere", made["ends-30.0"])
+    assert words.told_apart([*made.items(), another]) == [*names, names[-1]]
     near = figure("bifurcation", select={"initial": "near"})
     (ax,) = draw([*zip(names, made.values(), strict=True)], near).axes
     lines = [line for line in ax.lines if line.get_linestyle() == "--"]

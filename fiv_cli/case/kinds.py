@@ -37,7 +37,7 @@ STARTS = {
     "equilibrium": ("a sliding equilibrium of the unexcited system, moved", ("offset",)),
     "state": ("a state; what is not given is 0", ("state",)),
     "random": (
-        "random states in a box, labelled LABEL-000, LABEL-001, ...",
+        "random states in a box, labelled LABEL-000, LABEL-001, ...; others at other parameters",
         ("count", "seed", "box"),
     ),
     "table": ("states from a list, or from a CSV file", ("states", "file")),

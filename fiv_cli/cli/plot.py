@@ -261,6 +261,8 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
         kinds = kinds_that_suit(source)
         if not kinds:
             raise nothing_suits(source) from None
+        if figure.kind in kinds:
+            raise
         suiting = listed(kinds)
         raise UsageError(f"{error}\n{file} can be drawn with --figure {suiting}") from None
 

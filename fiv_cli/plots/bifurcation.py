@@ -287,18 +287,25 @@ def _draw_equilibria(
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             (line,) = ax.plot(points.positions(axis), values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
-            _blacken_if_hidden(ax, line)
+            _blacken_shared(ax, line)
         if colours and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
 
 
-def _blacken_if_hidden(ax: Axes, line: Line2D) -> None:
+def _blacken_shared(ax: Axes, line: Line2D) -> None:
     """What is the same in two diagrams is of neither's colour: the later would hide the other."""
-    for other in ax.lines[:-1]:
-        own, its = (np.asarray(one.get_xydata()) for one in (line, other))
-        alike = other.get_linestyle() == line.get_linestyle() and own.shape == its.shape
-        if alike and np.allclose(own, its, atol=0.0, equal_nan=True):
-            line.set_color(style.BLACK)
+    for other in [one for one in ax.lines[:-1] if one.get_linestyle() == line.get_linestyle()]:
+        shared = _shared(line, other)
+        if np.isfinite(shared).any():
+            ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
+                    zorder=line.get_zorder(), color=style.BLACK)  # fmt: skip
+
+
+def _shared(line: Line2D, other: Line2D) -> np.ndarray:
+    """The heights of a line where another is as high, to a thousandth; NaN elsewhere."""
+    (x, y), (its_x, its_y) = (np.array(one.get_data(), float) for one in (line, other))
+    between = np.interp(x, its_x, its_y, left=np.nan, right=np.nan) if its_x.size else x * np.nan
+    return np.where(np.isclose(y, between, rtol=1e-3, atol=0.0), y, np.nan)
 
 
 def _linearised_at(diagram: xr.Dataset) -> int:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import listed, pick
@@ -189,7 +191,8 @@ def draw(
     if not (kind.completed and any(_has_asked(one, figure) for _, one in analyses)):
         for _, one in analyses:
             _refuse_other_analysis(one, figure)
-    layers = [_layer(label, one, figure, kind) for label, one in analyses]
+    labels = {label for _, one in analyses for label in _starts(one)}
+    layers = [_layer(name, one, _shared(figure, one, labels), kind) for name, one in analyses]
     if len(layers) > 1 and not kind.overlays:
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
     settings = _checked(figure)
@@ -256,6 +259,22 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     beside = tuple(_selected(d, selection) for d in analyses.values() if d is not dataset)
     narrowed = select.subset if kind.suits(dataset) else _selected
     return Layer(label, narrowed(dataset, selection), beside)
+
+
+def _shared(figure: FigureSpec, analyses: dict[str, xr.Dataset], labels: set[str]) -> FigureSpec:
+    """The figure without those of several starts that it selects which others alone have."""
+    selection = figure.settings.get("select", {})
+    wanted, own = selection.get("initial"), _starts(analyses)
+    if not isinstance(wanted, list):
+        return figure
+    kept = [one for one in wanted if one in own or one not in labels] or wanted
+    return replace(figure, settings={**figure.settings, "select": {**selection, "initial": kept}})
+
+
+def _starts(analyses: dict[str, xr.Dataset]) -> set[str]:
+    """The labels of the starts of a file."""
+    having = (one["initial"].values for one in analyses.values() if "initial" in one.coords)
+    return {str(label) for labels in having for label in np.ravel(labels)}
 
 
 def _selected(dataset: xr.Dataset, selection: Mapping[str, Any]) -> xr.Dataset:

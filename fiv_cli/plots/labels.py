@@ -155,8 +155,9 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     found = (
         laws if len(set(laws)) > 1 else [*map(", ".join, zip(*_differing(datasets), strict=True))]
     )
-    kinds = ["branch_value" in one for one in datasets]  # a branch is called as its diagram is
-    apart = len({*zip(found, kinds, strict=False)}) == len(files)
+    branches = ["branch_value" in one for one in datasets]  # they are called as their diagram is
+    named = [name for name, branch in zip(found, branches, strict=False) if not branch] or found
+    apart = len({*named}) == len(named) == (len(files) - sum(branches) or len(files))
     return found if apart else [name for name, _ in files]
 
 

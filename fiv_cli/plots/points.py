@@ -432,7 +432,7 @@ def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarra
         found[name] = found.get(name, False) | here
     some = {name: here for name, here in found.items() if here.any()}
     if len(found) > MOST_ENTRIES_INSIDE or len({here.tobytes() for here in found.values()}) == 1:
-        return [(label if len(found) == 1 else "", np.logical_or.reduce([*some.values()]))]
+        return [(label, np.logical_or.reduce([*some.values()]))]
     return [*some.items()]
 
 

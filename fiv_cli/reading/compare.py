@@ -31,6 +31,7 @@ from fiv_cli.reading import select
 from fiv_cli.reading.datasets import error_of, flag_names, name_of_only
 from fiv_cli.reading.over_laws import stretches
 from fiv_cli.reading.select import ragged_dims, row_sizes
+from fiv_cli.reading.shares import drawn_of
 
 Mask = NDArray[np.bool_]
 Array = NDArray[Any]  # of any kind: numbers, classes, texts
@@ -70,6 +71,10 @@ class Tolerances:
 
 
 ALONG = "; what lies along it is not compared"
+REDRAWN = (
+    "random starts are drawn anew at other parameters: shares of them can be compared, not one "
+    "with another (fiv show: shares)"
+)
 PLACES = 100
 """How many stretches of points that have come into another class are named."""
 
@@ -148,8 +153,8 @@ def compare(
 ) -> list[Difference]:
     """Every difference between two sets of datasets, by name of the analysis.
 
-    First of which axes a part alone can be compared; then which class became which, that of the
-    steady state before others: numbers follow it.
+    First of which axes a part alone can be compared, and which starts are others; then which class
+    became which, that of the steady state before others: numbers follow it.
     """
     if left.keys() != right.keys():
         left, right = _by_name(left), _by_name(right)
@@ -166,8 +171,21 @@ def compare(
             prefix = f"{name}/" if name else ""
             one, other, cut = _at_common_points(one, other)
             axes += [Difference(prefix + axis, text) for axis, text in cut.items()]
+            axes += [Difference(prefix + "initial", REDRAWN)] * _are_redrawn(one, other)
             differences.extend(_Pair(one, other, {*cut}, tolerances, prefix).differences())
     return [*axes, *sorted(differences, key=_rank)]
+
+
+def _are_redrawn(one: xr.Dataset, other: xr.Dataset) -> bool:
+    """Whether random starts of the same labels are others."""
+    if not all("initial_state" in side for side in (one, other)):
+        return False
+    random, labels = {*drawn_of(one)} & {*drawn_of(other)}, map(str, one["initial"].values)
+    drawn = [label for label in labels if label.rpartition("-")[0] in random]
+    if one["initial_state"].shape != other["initial_state"].shape:
+        return False
+    own, its = (side["initial_state"].sel(initial=drawn).values for side in (one, other))
+    return not np.array_equal(own, its, equal_nan=True)
 
 
 def _by_name(analyses: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:

@@ -22,7 +22,7 @@ CASES = (
     "ch6/fig_6_10", "ch6/fig_6_26",  # followed, and on an elastic disc
     "ch4/fig_4_03", "ch6/fig_6_04", "ch6/fig_6_02", "ch7/fig_7_06_cycles",  # roots and branches
 )  # fmt: skip
-DONE = (0, 4)  # exit codes of a finished run
+DONE = (0, 4, 8)  # exit codes of a run that is finished, or stopped where asked (4 in 0.1.0)
 
 
 def report() -> None:
