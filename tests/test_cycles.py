@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 from math import atan, cos, exp, log, pi, sin, sqrt
 from typing import Any
 
@@ -466,6 +467,25 @@ def test_the_end_of_a_branch_is_one_whatever_its_bracket(bracket: tuple[float, f
     )
     assert found.values["cycle_highest_kind"] == "grazing"
     assert abs(found.values["cycle_highest"] - 3.63957643) <= found.values["cycle_highest_error"]
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("seed", range(40))
+def test_ends_agree_within_their_errors_whatever_the_bracket_and_the_width(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    changes = {"Omega": random.uniform(2.0, 9.0), "N0": random.uniform(15.0, 60.0)}
+    changes["c1"] = 10.0 ** random.uniform(-3.2, -2.3)
+    name, (low, high) = [("Omega", (0.5, 20.0)), ("N0", (2.0, 110.0))][seed % 2]
+    begun, found = changes[name], []
+    for share, width in ((1.0, 1e-6), (1.0, 1e-7), (1.0, 1e-8), (0.5, 1e-7)):
+        bracket = name, begun - share * (begun - low), begun + share * (high - begun)
+        start = {"phi_dot": changes["Omega"]}
+        found.append(cycle("pin-on-disc", start=start, branch=bracket, width=width, **changes))
+    for end in ("cycle_lowest", "cycle_highest"):
+        met = [one.values for one in found if one.values.get(f"{end}_kind", "bracket") != "bracket"]
+        for one, other in combinations(met, 2):
+            errors = one[f"{end}_error"] + other[f"{end}_error"]
+            assert not abs(one[end] - other[end]) > errors  # an error may be unknown: NaN
 
 
 def landing_slope(model: str, carried: Any, changes: dict[str, float]) -> float:
