@@ -1,8 +1,9 @@
 """Models and laws from outside, tried as those in the box are.
 
-Of each: whether its equations are sound, whether energy is booked to rounding, whether derivatives
-agree with differences, and whether two ways of integrating give one motion. Then what its file
-itself holds to be known, in a function ``verify(bench)`` that yields `Check`.
+Of each: whether its equations are sound; and of a model under its own law and those from outside,
+of a law on a model of the box, whether energy is booked to rounding, whether derivatives agree with
+differences, and whether two ways of integrating give one motion. Then what a file holds to be
+known, in a function ``verify(bench)`` that yields `Check`.
 """
 
 from __future__ import annotations
@@ -71,10 +72,15 @@ def _trial(thing: Model | Law, bench: Bench) -> Iterator[Check]:
     source = f"{thing.origin.path}: {thing.name}"
     sound = float(not problems_of(thing, thing.origin))
     yield Check("names, units, energies of the equations (1 sound)", source, sound, 1.0, 0.0)
-    model, law = _pair(thing)
-    parameters = _example(model)
+    for model, law in _pairs(thing):
+        yield from _of_pair(model, law, bench, f"{thing.origin.path}: {model.name} with {law.name}")
+
+
+def _of_pair(model: Model, law: Law, bench: Bench, source: str) -> Iterator[Check]:
+    """What holds of a model under a law."""
     if not model.contacts:
         return
+    parameters = _example(model)
     names, found, differences = _jacobians(model, law, parameters)
     wrong = np.abs(found - differences) / (np.abs(differences).max(axis=0) + 1.0)
     row, column = np.unravel_index(np.argmax(wrong), wrong.shape)
@@ -83,11 +89,13 @@ def _trial(thing: Model | Law, bench: Bench) -> Iterator[Check]:
     yield from _of_motion(model, law, parameters, np.linalg.eigvals(found), bench, source)
 
 
-def _pair(thing: Model | Law) -> tuple[Model, Law]:
-    """A model under its law, or a law on the first model that takes it."""
-    if isinstance(thing, Model):
-        return thing, get_law(thing.default_law)
-    return next(model for model in all_models().values() if thing.name in laws_of(model)), thing
+def _pairs(thing: Model | Law) -> list[tuple[Model, Law]]:
+    """A model under its law and those from outside; a law on the first model that takes it."""
+    if isinstance(thing, Law):
+        known = all_models().values()
+        return [next((model, thing) for model in known if thing.name in laws_of(model))]
+    own = [n for n in laws_of(thing) if get_law(n).origin and not n.startswith(TANH_OF)]
+    return [(thing, get_law(name)) for name in dict.fromkeys([thing.default_law, *own])]
 
 
 def _example(model: Model) -> dict[str, float]:

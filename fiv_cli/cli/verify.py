@@ -37,8 +37,9 @@ def command(as_json: bool, junit: Path | None, summary: Path | None) -> int:
     closed forms or published values are known, and prints the error of each beside its tolerance.
     Exit code 5 when any is outside.
 
-    With --with the models and laws of files are checked instead: energy balance, derivatives
-    against differences, two ways of integrating, and what a function verify(bench) of a file says.
+    With --with the models and laws of files are checked instead, each model under its own law and
+    under those of the files: energy balance, derivatives against differences, two ways of
+    integrating, and what a function verify(bench) of a file says.
 
     \b
     Examples:
