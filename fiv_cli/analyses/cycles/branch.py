@@ -47,11 +47,12 @@ from fiv_cli.flags import CYCLE_END
 FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-10  # lengths of a step along the branch
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
-ASTRAY = 0.2  # share of a step by which the cycle found may lie off the cycle foreseen
+ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen ...
+BENT = 0.2  # ... and one of the same events
 STRAIGHT = 0.005  # share of it by which a cycle of another branch lies off at least ...
 OFF = 1e-5  # ... and distance
 MIRRORED = 0.25  # share of its bend by which an arc may fail to be its own mirror image
-REACH = 35.0  # times ASTRAY: a cycle that seems to lie further off is not looked for
+REACH = 7.0  # steps: a cycle that seems to lie further off is not looked for
 DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
 JUMPED = 10.0  # of the change to one side of the parameter: one so much greater is a jump
 MOST_POINTS = 800
@@ -257,13 +258,13 @@ def step(line: Continuation, here: Point, length: float) -> Point | None:
         share = (edge - here.unknowns[-1]) / (foreseen[-1] - here.unknowns[-1])
         foreseen = here.unknowns + share * length * here.tangent
         across = np.append(np.zeros(len(foreseen) - 1), 1.0)
-    return _corrected(line, here, foreseen, across, ASTRAY * length)
+    return _corrected(line, here, foreseen, across, length)
 
 
 def _corrected(
-    line: Continuation, here: Point, foreseen: Vector, across: Vector, astray: float
+    line: Continuation, here: Point, foreseen: Vector, across: Vector, length: float
 ) -> Point | None:
-    """The cycle of the branch in the plane across `across` through `foreseen`."""
+    """The cycle of the branch in the plane across `across` through `foreseen`, a step ahead."""
 
     def conditions(unknowns: Vector) -> Equations | None:
         found = _conditions(line, here.frame, unknowns)
@@ -273,10 +274,14 @@ def _corrected(
         return Equations(values, lambda: _with_row(found.jacobian(), across), found.around)
 
     bordered = _across(here.inverse, here.tangent, across)
-    root = newton(conditions, foreseen, bordered, REACH * astray)
-    if root is None or float(np.linalg.norm(root[0] - foreseen)) > astray:
+    root = newton(conditions, foreseen, bordered, REACH * length)
+    if root is None:
         return None
-    return None if _leaves(here, *root) else _point(line, here, *root)
+    astray = float(np.linalg.norm(root[0] - foreseen)) / length
+    alike = root[1].around.events == here.cycle.around.events
+    if astray > (BENT if alike else ASTRAY) or (alike and _leaves(here, *root)):
+        return None
+    return _point(line, here, *root)
 
 
 def _leaves(here: Point, unknowns: Vector, found: Equations) -> bool:
