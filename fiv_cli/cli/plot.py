@@ -33,7 +33,8 @@ SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
     "-o",
     "--output",
     type=click.Path(path_type=Path),
-    help="Figure to write: .png, .svg or .pdf. Default: STEM-FIGURE.png beside the dataset.",
+    help="Figure to write: .png, .svg or .pdf; .csv: its points and lines as numbers. Default: "
+    "STEM-FIGURE.png beside the dataset.",
 )
 @click.option("--figure", "name", help="Draw this figure of the case only, or this kind of figure.")
 @with_option
@@ -89,6 +90,7 @@ def command(
       fiv plot runs/a.nc --figure bifurcation -o a.pdf --style paper --width 84
       fiv run a.toml --set model.parameters.N0=20 -o lighter.nc
       fiv plot runs/a.nc lighter.nc --figure bifurcation -o both.svg
+      fiv plot runs/a.nc lighter.nc --figure bifurcation -o both.csv
       fiv plot --law coulomb --law stribeck:mu_s=0.5,v_s=0.05 --speed 0.3
       fiv plot --law dahl --law lugre:sigma_1=10 --loop amplitude=1e-3,omega=5,periods=3
     """

@@ -18,6 +18,7 @@ import numpy as np
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import SECTION
 from fiv_cli.plots import branch, labels, points, style
+from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import is_class, numbers
 
@@ -151,14 +152,15 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None
         later = sorts - 1 - entry.number
         for part, finer, label in (
             (~cloud.crowded, 1.0, entry.label),
-            (cloud.crowded, FINER, None),
+            (cloud.crowded, FINER, points.unlisted(entry.label)),
         ):
             look = style.mark_of(entry.number, sorts, finer * size) | {"color": entry.colour}
             ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, rasterized=many, **look)
         dash = {"marker": "_", "ms": size * (1.5 + 0.4 * later), "mew": 0.9 + 0.25 * later}
         mark = dash if resting else style.mark_of(entry.number, sorts, size)
         own = mark | {"color": entry.colour, "zorder": 2.0 if resting else 4.0}
-        ax.plot(cloud.rest_x, cloud.rest_y, ls="none", **own)
+        at_rest = points.unlisted(entry.label, resting or "equilibrium")
+        ax.plot(cloud.rest_x, cloud.rest_y, ls="none", label=at_rest, **own)
     if resting and any(cloud.rest_x.size for cloud in clouds):
         ax.plot([], [], "_", mew=1.2, color=style.BLACK, label=resting)
 
@@ -169,7 +171,7 @@ def _mark_other_sections(
     """A line across where the section that motions choose changes: values jump there with it."""
     places = {place for dataset in datasets for place in _other_sections(dataset, settings)}
     for number, place in enumerate(sorted(places)):
-        label = "another section" if number == 0 else None
+        label = points.unlisted("another section") if number else "another section"
         ax.axvline(place, color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
 
 
@@ -237,14 +239,14 @@ def _dash_unstable(
 ) -> None:
     """The least and the greatest of every unstable cycle along `axis`, in the colour of `whose`."""
     extremes_of = f"least and greatest ${labels.symbol_of_name(observed)}$"
-    label: str | None = points.joined(whose, f"unstable cycle: {extremes_of}{where}")
+    label = points.joined(whose, f"unstable cycle: {extremes_of}{where}")
     colours = points.colours([ax]).items() if whose else ()
     colour = next((own for name, own in colours if name.startswith(whose)), style.BLACK)
     for dataset in datasets:
         for x, extremes in _unstable(dataset, axis, observed):
             for height in extremes:
                 ax.plot(x, height, "--", lw=0.9, color=colour, zorder=1.5, label=label)
-                label = None
+                label = points.unlisted(label)
 
 
 def _judged(
@@ -281,14 +283,14 @@ def _draw_equilibria(
             for line in lines
         ]
         drawn = [(label, values) for label, values in drawn if np.isfinite(values).any()]
-        called = f"{word} equilibrium" if drawn else None
-        own = None if colours else called
+        called = f"{word} equilibrium"
         for label, values in drawn:
+            own = points.unlisted(label, called) if colours else called
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             (line,) = ax.plot(points.positions(axis), values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
             _blacken_shared(ax, line)
-        if colours and called not in known_words:
+        if colours and drawn and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
 
 
@@ -298,7 +300,7 @@ def _blacken_shared(ax: Axes, line: Line2D) -> None:
         shared = _shared(line, other)
         if np.isfinite(shared).any():
             ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
-                    zorder=line.get_zorder(), color=style.BLACK)  # fmt: skip
+                    zorder=line.get_zorder(), color=style.BLACK, label=DECORATION)  # fmt: skip
 
 
 def _shared(line: Line2D, other: Line2D) -> np.ndarray:

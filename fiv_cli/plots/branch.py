@@ -76,13 +76,14 @@ def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: poin
     row = _rows(dataset, ALONG, index)
     for word, value, extremes in stretches(dataset, index):
         for height in extremes:
-            ax.plot(value, height, DASHES.get(word, "-"), color=entry.colour)
-    for place, at, mark in _marks(dataset, index, dataset[ALONG].values[row]):
+            dash, told = DASHES.get(word, "-"), points.unlisted(entry.label, word)
+            ax.plot(value, height, dash, color=entry.colour, label=told)
+    for place, at, kind in _marks(dataset, index, dataset[ALONG].values[row]):
+        mark, told = MARKS.get(kind, UNMET), points.unlisted(entry.label, kind.replace("_", " "))
         for name in EXTREMES:
             height = dataset[name].values[row]
-            ax.plot(
-                at, height[place], mark, color=entry.colour, mec="white", mew=0.4, ms=6, zorder=4
-            )
+            ax.plot(at, height[place], mark, color=entry.colour, mec="white", mew=0.4, ms=6,
+                    zorder=4, label=told)  # fmt: skip
     ax.plot([], [], "-", color=entry.colour, label=entry.label)
 
 
@@ -142,13 +143,13 @@ def _rows(dataset: xr.Dataset, name: str, index: Mapping[str, int]) -> slice:
 def _marks(
     dataset: xr.Dataset, index: Mapping[str, int], value: np.ndarray
 ) -> Iterator[tuple[int, float, str]]:
-    """Nearest point of the branch, value of the parameter and mark of every change and end."""
+    """Nearest point of the branch, value of the parameter and kind of every change and end."""
     row = _rows(dataset, "cycle_end", index)
     for at, kind in zip(
         dataset["cycle_end"].values[row], class_names(dataset["cycle_end_kind"])[row], strict=True
     ):
         if kind not in UNMARKED:
-            yield int(np.argmin(np.abs(value - at))), float(at), MARKS.get(kind, UNMET)
+            yield int(np.argmin(np.abs(value - at))), float(at), str(kind)
 
 
 def _name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:

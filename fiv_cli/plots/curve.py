@@ -110,15 +110,17 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     known = np.where(curve.open, np.nan, y)
     x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
     dash = curve.dash if curve.sort else entry.dash
-    label = None if curve.sort else entry.label
+    label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], label=entry.label, **look)
     if curve.open.any():
         at = curve.open
-        ax.plot(curve.x[at], y[at], "o", ms=3, color=entry.colour, mfc="none", mew=0.6)
-    if curve.width is not None:
-        ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
+        ax.plot(curve.x[at], y[at], "o", ms=3, color=entry.colour, mfc="none", mew=0.6,
+                label=points.unlisted(entry.label, "undecided"))  # fmt: skip
+    if curve.width is not None and np.nan_to_num(curve.width).any():
+        bars = ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
+        bars.lines[2][0].set_label(points.unlisted(entry.label, "error bar"))
 
 
 def _headlines(dataset: xr.Dataset) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
+from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         points.reach(ax, axis)
         points.scale(ax, settings if ax is axes[0] else points.of_further_panels(settings))
         _mark_mergers(ax, dataset, axis)
-    axes[0].axhline(0.0, color=style.BLACK, lw=0.8)
+    axes[0].axhline(0.0, color=style.BLACK, lw=0.8, label=DECORATION)
     points.dress_axis(axes[1], axis, "x")
     points.mark_gaps(axes, layers, settings)
     points.legend(axes)
@@ -69,7 +70,8 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             ax.plot(x, y, ls=dash, color=colour, label=label)
             unstable = np.flatnonzero(part[PARTS[0]].isel(mode=mode).values > 0.0)
             marked = unstable[:: max(1, x.size // MARKED)]
-            ax.plot(x[marked], y[marked], "o", ms=2.6, color=style.VERMILLION, mew=0.0, zorder=4)
+            ax.plot(x[marked], y[marked], "o", ms=2.6, color=style.VERMILLION, mew=0.0, zorder=4,
+                    label=DECORATION)  # fmt: skip
     if np.any(dataset[PARTS[0]].values > 0.0):
         ax.plot([], [], "o", color=style.VERMILLION, mew=0.0, label="unstable")
 
@@ -85,7 +87,8 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
     for line, (whose, places) in enumerate(told):
         dash = ":" if alike else style.dash(line, len(lines))  # as the modes of that line
         for number, place in enumerate(places):
-            label = points.joined("modes merge", whose) if number == 0 else None
+            label = points.joined("modes merge", whose)
+            label = points.unlisted(label) if number else label
             ax.axvline(place, color=style.GREY, ls=dash, lw=1.0, zorder=1, label=label)
 
 

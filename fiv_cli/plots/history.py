@@ -52,8 +52,8 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
         for curve, label in zip(values, motion.places(one), strict=True):
             ax.plot(one.drawn_time, one.drawn(name, curve), lw=0.9, rasterized=many, label=label)
     else:
-        shown = one.drawn(name, values)
-        ax.plot(one.drawn_time, shown, color=style.BLACK, lw=0.9, rasterized=many)
+        shown, told = one.drawn(name, values), points.unlisted(one.label, name)
+        ax.plot(one.drawn_time, shown, color=style.BLACK, lw=0.9, rasterized=many, label=told)
     ax.margins(x=0)
     style.level(ax)
     points.scale(ax, settings)

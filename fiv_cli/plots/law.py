@@ -115,11 +115,13 @@ def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any]) -> None
     """Both branches, and between them what the contact can hold in stick."""
     law, parameters = given
     speed = np.linspace(fastest / SAMPLES, fastest, SAMPLES) - fastest / SAMPLES * (1 - 1e-9)
-    for velocity, label in ((-speed[::-1], f"{law.name} ({_values(*given)})"), (speed, None)):
+    name = f"{law.name} ({_values(*given)})"
+    for velocity, label in ((-speed[::-1], name), (speed, f"_{name}")):
         ax.plot(velocity, force(law, velocity, parameters), label=label, **look)
     if law.capacity is not None:
         held = float(law.capacity(1.0, parameters))
-        ax.plot([0.0, 0.0], [-held, held], **look | {"ls": STICK, "lw": 1.2})
+        stick = look | {"ls": STICK, "lw": 1.2, "label": f"_{name}, held in stick"}
+        ax.plot([0.0, 0.0], [-held, held], **stick)
 
 
 def _values(law: Law, given: Mapping[str, float]) -> str:

@@ -71,18 +71,21 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
     for state, pieces in stretches.items():
         ax.add_collection(
             LineCollection(
-                pieces, colors=style.CLASSES[state], lw=1.0, label=state,
+                pieces, colors=style.CLASSES[state], lw=1.0, label=points.joined(one.label, state),
                 rasterized=many,
             )
         )  # fmt: skip
-    for _, begin, end in motion.other_sticks(one, settings):
+    for contact, begin, end in motion.other_sticks(one, settings):
         part = slice(*np.searchsorted(one.drawn_time, (begin, end)) + np.array([0, 1]))
-        ax.plot(*_smooth(one.drawn_time[part], path[part]).T, **OTHER_STICKS)
+        stick = points.unlisted(one.label, f"contact {contact} sticks")
+        ax.plot(*_smooth(one.drawn_time[part], path[part]).T, **OTHER_STICKS, label=stick)
     if _shows_starts(one.data, settings):
-        ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK)
+        start = points.unlisted(one.label, "start")
+        ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK, label=start)
     held = float(one.data["static_capacity"]) if "static_capacity" in one.data else np.nan
     if names == ("slip_dot", "F_T") and np.isfinite(held):
-        ax.plot([0.0, 0.0], [-held, held], "--", color=style.BLACK, lw=1.0)
+        stick = points.unlisted(one.label, "held in stick")
+        ax.plot([0.0, 0.0], [-held, held], "--", color=style.BLACK, lw=1.0, label=stick)
     ax.autoscale_view()
     points.scale(ax, settings)
 

@@ -263,6 +263,11 @@ def joined(*words: str) -> str:
     return ", ".join(word for word in words if word)
 
 
+def unlisted(*words: str) -> str:
+    """What a line is called where it has no entry of its own in the legend."""
+    return f"_{joined(*words).removeprefix('_')}"
+
+
 @dataclass(frozen=True)
 class Entry:
     """How a line looks.
@@ -270,14 +275,14 @@ class Entry:
     Attributes
     ----------
     colour, dash : matplotlib colour and style of line
-    label : legend entry; None: not in the legend
+    label : legend entry; with an underscore before it: not in the legend
     number : counts the colours
     scattered : its points have starts of their own, so a line between them means nothing
     """
 
     colour: ColorType
     dash: Any
-    label: str | None
+    label: str
     number: int
     scattered: bool
 
@@ -292,16 +297,12 @@ def entries(names: Sequence[str]) -> list[Entry]:
         Entry(
             colours[number],
             style.dash(number, len(distinct)),
-            _once(stem, stems[:place]),
+            unlisted(stem) if stem in stems[:place] else stem,
             number,
             stem != names[place],
         )
         for place, (stem, number) in enumerate(zip(stems, numbers, strict=True))
     ]
-
-
-def _once(label: str, before: Sequence[str]) -> str | None:
-    return None if label in before else label
 
 
 def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:

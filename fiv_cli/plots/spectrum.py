@@ -142,7 +142,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         ax.plot(x, height, color=colour, label=line.label, lw=width)
     growing = np.unique(dataset[GROWING].values) if GROWING in dataset else np.zeros(0)
     for number, frequency in enumerate(growing[np.isfinite(growing)] * factor_of(settings)):
-        label = None if number else "unstable eigenfrequency"
+        label = points.unlisted("unstable eigenfrequency") if number else "unstable eigenfrequency"
         ax.axvline(frequency, ls="--", lw=0.9, color=style.BLACK, label=label, zorder=1)
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(labels.axis_label(dataset[STEADY]))

@@ -31,6 +31,7 @@ from matplotlib.ticker import AutoLocator
 
 from fiv_cli.errors import StorageError, UsageError
 from fiv_cli.files import refuse_special, write_whole
+from fiv_cli.plots import drawn
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -68,7 +69,6 @@ CLASSES = {
 }
 
 PANEL = (6.4, 4.2)  # inches
-TABLES = (".csv", ".dat", ".txt", ".tsv")
 ROOMY = 60  # columns of dots across it that do not crowd
 # Beyond this a vector figure is slow to open: the marks become an image inside it.
 MANY_MARKS = 20_000
@@ -204,6 +204,7 @@ UNDATED = {
     ".svg": {"Date": None, "Creator": "fiv"},
     ".pdf": {"CreationDate": None, "ModDate": None, "Creator": "fiv", "Producer": "fiv"},
 }
+TABLE = ".csv"
 
 
 _GIVEN: ContextVar[Axes | None] = ContextVar("_GIVEN", default=None)
@@ -556,30 +557,37 @@ def _is_sound(words: str) -> bool:
 
 
 def save(figure: Figure, path: str | Path, look: Look | None = None) -> None:
-    """Write `figure`, drawn in a look, as PNG, SVG or PDF, by the suffix of `path`.
+    """Write `figure`, drawn in a look, as PNG, SVG or PDF, or as the numbers that it draws (CSV).
 
     Raises
     ------
-    UsageError : another suffix, or what is there is no regular file
+    UsageError : another suffix, or what is there is no regular file; a plane as CSV
     StorageError : the file cannot be written
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if suffix not in UNDATED:
+    if suffix not in UNDATED | {TABLE: {}}:
         told = f"{path}: figures are written as {', '.join(UNDATED)}"
-        numbers = "; what they show, as numbers: fiv show FILE.nc --csv VARIABLE,VARIABLE"
-        table = numbers if suffix in TABLES else ""
+        table = f", or, for the numbers that it draws, {path.stem or 'NAME'}{TABLE}"
         raise UsageError(f"{told}\nuse -o {path.stem or 'NAME'}.png{table}")
     refuse_special(path)
-    image = io.BytesIO()
-    with looks(look=look):
-        refuse_the_immense(figure, path)
-        tame_texts(figure)
-        figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])
+    contents = (
+        drawn.as_csv(figure, path).encode() if suffix == TABLE else _image(figure, path, look)
+    )
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, image.getvalue(), durable=False)
+        write_whole(path, contents, durable=False)
     except OSError as error:
         raise StorageError(
             f"{path}: cannot be written ({error.strerror})\nchoose -o FIG"
         ) from error
+
+
+def _image(figure: Figure, path: Path, look: Look | None) -> bytes:
+    """The bytes of an image of the format that `path` names."""
+    image, suffix = io.BytesIO(), path.suffix.lower()
+    with looks(look=look):
+        refuse_the_immense(figure, path)
+        tame_texts(figure)
+        figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])
+    return image.getvalue()

@@ -1,0 +1,120 @@
+"""What a figure draws, as a table: the numbers behind a figure, for who draws it with other means.
+
+An artist is told by its label; one without an entry in the legend has a label that begins with an
+underscore.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.collections import LineCollection, PathCollection, QuadMesh
+from matplotlib.contour import ContourSet
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator
+
+from fiv_cli.errors import UsageError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+
+COLUMNS = ("panel", "x_axis", "y_axis", "series", "line", "x", "y")
+DECORATION = "_nolegend_"
+"""Label of what tells nothing by itself."""
+UNNAMED = "_child"  # what matplotlib calls an artist without a label, and counts
+
+
+def as_csv(figure: Figure, path: Path) -> str:
+    """A row for each point of marks and lines, in the units and words of the figure.
+
+    Each line, and all marks of one series, have a number; what stands at an x alone has no y.
+
+    Raises
+    ------
+    UsageError : the figure paints a plane
+    """
+    if figure.findobj(lambda artist: isinstance(artist, QuadMesh | ContourSet)):
+        raise UsageError(
+            f"{path}: not written: a table of points and lines, and this figure is a plane\n"
+            "next: the variable that it shows, as fiv show FILE.nc --csv VARIABLE -o FILE.csv"
+        )
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for ax in figure.axes:
+        panel = [_in_one_line(word) for word in (ax.get_title(), *_axis_labels(figure, ax))]
+        for series, line, points in _lines(ax):
+            x, y = (_told(own, points[:, at]) for at, own in enumerate((ax.xaxis, ax.yaxis)))
+            writer.writerows([*panel, series, line, *point] for point in zip(x, y, strict=True))
+    return table.getvalue()
+
+
+def _axis_labels(figure: Figure, ax: Axes) -> tuple[str, str]:
+    """Labels of both axes; panels that share them have x below the last and y beside the first."""
+    until = figure.axes[: 1 + figure.axes.index(ax)]
+    return (
+        ax.get_xlabel() or _last(one.get_xlabel() for one in figure.axes),
+        _last(one.get_ylabel() for one in until),
+    )
+
+
+def _last(words: Iterable[str]) -> str:
+    """The last that is not empty."""
+    return next(filter(None, reversed([*words])), "")
+
+
+def _lines(ax: Axes) -> Iterator[tuple[str, int, np.ndarray]]:
+    """Series, number of the line and points, shape (n, 2), of all that is no decoration."""
+    number = 0
+    for artist in ax.get_children():
+        label = str(artist.get_label())
+        series = "" if label.startswith(UNNAMED) else _in_one_line(label).removeprefix("_")
+        for points in () if label == DECORATION else _pieces(artist, ax):
+            number += 1
+            yield series, number, points
+
+
+def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
+    """The points of each piece of an artist."""
+    if isinstance(artist, Line2D):
+        return _pieces_of_line(artist, ax)
+    if isinstance(artist, LineCollection):
+        return map(np.asarray, artist.get_segments())
+    return [np.asarray(artist.get_offsets())] if isinstance(artist, PathCollection) else []
+
+
+def _pieces_of_line(line: Line2D, ax: Axes) -> list[np.ndarray]:
+    """The points of a line between its gaps, or all its marks; a height off the axis is NaN."""
+    points = np.array(line.get_xydata(), float)
+    if not line.get_transform().contains_branch_seperately(ax.transData)[1]:
+        pieces = [np.unique(points[:, :1], axis=0) * (1.0, np.nan)]
+    else:
+        known = np.isfinite(points).all(axis=1)
+        gaps = np.flatnonzero(~known & (line.get_linestyle() != "None"))
+        pieces = [
+            piece[here]
+            for piece, here in zip(np.split(points, gaps), np.split(known, gaps), strict=True)
+        ]
+    return [piece for piece in pieces if piece.size]
+
+
+def _told(axis: Axis, values: np.ndarray) -> list[float | str]:
+    """Values along an axis: numbers, empty where there is none, or the words at their ticks."""
+    if isinstance(axis.get_major_locator(), FixedLocator):
+        words = [text.get_text() for text in axis.get_ticklabels()]
+        named = dict(zip(axis.get_ticklocs().round().tolist(), words, strict=True))
+        return [named.get(value, value) for value in values.round().tolist()]
+    return [value if np.isfinite(value) else "" for value in values.tolist()]
+
+
+def _in_one_line(words: str) -> str:
+    return words.replace("\n", " ")

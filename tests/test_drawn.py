@@ -1,0 +1,161 @@
+"""The numbers behind a figure: a row for each point of its marks and lines."""
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic_datasets as data
+from matplotlib.collections import PathCollection
+from matplotlib.lines import Line2D
+
+from fiv_cli.case.case import FigureSpec
+from fiv_cli.cli.main import run as fiv
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import draw, draw_laws
+from fiv_cli.plots.drawn import COLUMNS, DECORATION, as_csv
+from fiv_cli.reading.datasets import class_names
+
+REST_ABOVE = "periodic below, equilibrium above"
+
+
+def figure(kind, **settings):
+    return FigureSpec(kind, kind, settings)
+
+
+def table(drawn):
+    return list(csv.DictReader(io.StringIO(as_csv(drawn, Path("a.csv")))))
+
+
+def points(rows, series):
+    """Of one series, shape (n, 2)."""
+    return np.array([(row["x"], row["y"]) for row in rows if row["series"] == series], float)
+
+
+def test_a_diagram_has_a_row_for_each_value_at_the_section_and_for_each_point_at_rest():
+    found = data.bifurcation()
+    found["phi_max"] = 0.01 * found["Omega"] + 0.0 * found["L_s"]
+    rows = table(draw(found, figure("bifurcation")))
+    at_rest = found["Omega"].values[30:]
+    told = points(rows, "near, at rest")
+    np.testing.assert_array_equal(told, np.stack([at_rest, 0.01 * at_rest], axis=1))
+    values = [row["y"] for row in rows if row["series"] in ("near", "far")]
+    assert sorted(map(float, values)) == sorted(found["section_value"].values.tolist())
+    (failed,) = [row for row in rows if row["series"].startswith("failed")]
+    assert (float(failed["x"]), failed["y"]) == (found["Omega"].values[20], "")
+    assert {(row["x_axis"], row["y_axis"]) for row in rows} == {
+        (r"disc speed $\Omega$ (rad/s)", r"$\varphi$ at the section (rad)")
+    }
+
+
+def test_lines_are_counted_and_a_gap_ends_one():
+    found = data.eigenvalues()
+    rows = table(draw(found, figure("eigenvalues")))
+    top = [row for row in rows if row["y_axis"].startswith("real part")]
+    first = [row for row in top if row["series"] == "mode 1"]
+    by_line = [[row for row in first if row["line"] == line] for line in ("1", "2")]
+    assert [len(part) for part in by_line] == [7, found.sizes["mu_k"] - 8]  # the eighth has failed
+    joined = points(top, "mode 1")
+    known = np.isfinite(found["eigenvalue_real"].values[:, 0])
+    np.testing.assert_array_equal(joined[:, 0], found["mu_k"].values[known])
+    np.testing.assert_array_equal(joined[:, 1], found["eigenvalue_real"].values[known, 0])
+    assert {row["x_axis"] for row in top} == {row["x_axis"] for row in rows}  # which panels share
+
+
+def test_error_bars_are_told_by_their_ends():
+    found = data.boundaries()
+    rows = table(draw(found, figure("curve")))
+    told = points(rows, f"{REST_ABOVE}, error bar")
+    assert told.tolist() == [[20, 3.75], [20, 4.25], [30, 6.75], [30, 7.25]]
+    assert points(rows, REST_ABOVE).tolist() == [[20, 4], [30, 7]]
+
+
+def test_values_that_are_classes_are_told_in_words():
+    found = data.bifurcation()
+    rows = table(draw(found, figure("curve", variable="attractor")))
+    for number, start in enumerate(("near", "far")):
+        told = {float(row["x"]): row["y"] for row in rows if row["series"] == start}
+        classes = class_names(found["attractor"]).reshape(-1, 2)[:, number]
+        classes = dict(zip(found["Omega"].values, classes, strict=True))
+        assert told == {x: name for x, name in classes.items() if name != "not_computed"}
+
+
+def test_every_member_of_random_starts_has_its_points_though_the_legend_has_one_entry():
+    found = data.bifurcation().assign_coords(initial=["any-000", "any-001"])
+    rows = table(draw(found, figure("bifurcation")))
+    assert len(points(rows, "any")) == found.sizes["section_obs"]
+
+
+def test_a_scatter_of_starts_and_the_phase_portrait_of_a_motion():
+    found = data.basin()
+    rows = table(draw(found, figure("basin")))
+    starts = found["initial_state"].values.reshape(-1, 2)
+    told = np.array([(row["x"], row["y"]) for row in rows], float)
+    assert sorted(told.tolist()) == sorted(starts.tolist())
+    assert [*dict.fromkeys(row["panel"] for row in rows)] == [
+        r"$\Omega$ = 1 rad/s",
+        r"$\Omega$ = 2 rad/s",
+    ]
+    rows = table(draw(data.history(labels=("far",)), figure("phase")))
+    assert {row["series"].rpartition(", ")[2] for row in rows} >= {"slip+", "stick", "start"}
+
+
+def test_of_a_law_both_branches_and_what_it_holds_in_stick():
+    rows = table(draw_laws(["coulomb:mu_k=0.25,mu_s=0.5"]))
+    (name,) = {row["series"] for row in rows if "held" not in row["series"]}
+    sliding = points(rows, name)
+    assert {(-1.0, -0.25), (1.0, 0.25)} == {(np.sign(v), round(f, 12)) for v, f in sliding}
+    np.testing.assert_array_equal(points(rows, f"{name}, held in stick"), [[0, -0.5], [0, 0.5]])
+
+
+@pytest.mark.parametrize(
+    ("dataset", "kind"),
+    [
+        (data.bifurcation(), "bifurcation"),
+        (data.bifurcation(), "curve"),
+        (data.crossings(), "curve"),
+        (data.boundaries(), "curve"),
+        (data.eigenvalues(), "eigenvalues"),
+        (data.history(), "history"),
+        (data.basin(), "basin"),
+    ],
+)
+def test_every_point_that_is_drawn_has_a_row(dataset, kind):
+    drawn = draw(dataset, figure(kind))
+    told = [row for row in table(drawn) if row["y"]]
+    rows = [row for row in told if not row["series"].endswith("error bar")]
+    assert len(rows) == sum(map(len, shown(drawn)))
+
+
+def shown(drawn):
+    """The known points of marks and lines, each of shape (n, 2); of a mark upright, none."""
+    for artist in drawn.findobj(lambda one: isinstance(one, Line2D | PathCollection)):
+        if (
+            artist.axes is None
+            or artist.get_label() == DECORATION
+            or artist not in artist.axes.get_children()
+        ):
+            continue
+        line = isinstance(artist, Line2D)
+        if line and artist.get_transform() != artist.axes.transData:
+            continue
+        xy = np.array(artist.get_xydata() if line else artist.get_offsets(), float)
+        yield xy[np.isfinite(xy).all(axis=1)]
+
+
+def test_a_plane_has_no_such_table():
+    with pytest.raises(UsageError, match=r"a\.csv: not written: .*\nnext: .* --csv VARIABLE"):
+        table(draw(data.stability_map(), figure("map")))
+
+
+def test_plot_writes_the_table(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    data.bifurcation().to_netcdf("a.nc")
+    assert fiv(["plot", "a.nc", "--figure", "bifurcation", "-o", "b/a.csv"]) == 0
+    assert capsys.readouterr().out == "b/a.csv\n"
+    header, first, *_ = (tmp_path / "b/a.csv").read_text().splitlines()
+    assert header == ",".join(COLUMNS)
+    assert len(first.split(",")) == len(COLUMNS)
+    assert fiv(["plot", "a.nc", "--figure", "bifurcation", "-o", "a.txt"]) == 2
+    assert "use -o a.png, or, for the numbers that it draws, a.csv" in capsys.readouterr().err
