@@ -148,7 +148,7 @@ def value_label(axis: xr.DataArray, value: float | str) -> str:
 def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     r"""What to call each of several datasets in one figure: what they differ in, else their files.
 
-    That is the law, or one or two fixed parameters: ``stribeck``; ``$N_0$ = 30 N``.
+    That is the law, or one or two fixed parameters: ``stribeck``; ``$c_1$ = $c_2$ = 3 N s/m``.
     """
     datasets = [dataset for _, dataset in files]
     laws = [str(one.attrs.get("law", "")) for one in datasets]
@@ -162,15 +162,29 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
 
 
 def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
-    """Fixed parameter that differs -> its value in each dataset; none where more than two do."""
+    """Fixed parameter that differs -> its value in each dataset; none where more than two do.
+
+    Several that are equal in each dataset count as one.
+    """
     fixed = [
         [one[name] for one in datasets]
         for name, value in datasets[0].coords.items()
         if all(name in one.coords and not one[name].ndim for one in datasets)
     ]
-    differ = [values for values in fixed if len({one.item() for one in values}) > 1]
-    few = differ if len(differ) <= MOST_PARAMETERS else []
-    return [[value_label(one, one.item()) for one in values] for values in few]
+    differ: dict[tuple[object, ...], list[list[xr.DataArray]]] = {}
+    for values in fixed:
+        numbers = [one.item() for one in values]
+        if len({*numbers}) > 1:
+            differ.setdefault((values[0].attrs.get("units"), *numbers), []).append(values)
+    few = differ.values() if len(differ) <= MOST_PARAMETERS else ()
+    return [[*map(_equal, zip(*values, strict=True))] for values in few]
+
+
+def _equal(parameters: Sequence[xr.DataArray]) -> str:
+    """Parameters of one value, and it: ``$c_1$ = $c_2$ = 3 N s/m``."""
+    *others, last = parameters
+    symbols = [quantity(one, str(one.name)) for one in others]
+    return " = ".join([*symbols, value_label(last, last.item())])
 
 
 def _whole_degrees(angles: np.ndarray) -> bool:

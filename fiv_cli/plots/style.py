@@ -410,7 +410,7 @@ def _room(ax: Axes) -> tuple[int, int]:
 def _folded(words: str, most: int) -> str:
     """Words in lines of at most so many letters, no formula nor equation divided."""
     lines = [""]
-    for word in re.findall(r"(?:\$[^$]*\$|\S)+(?: = \S+)?", words):
+    for word in re.findall(r"(?:\$[^$]*\$|\S)+(?: = \S+)*", words):
         line = f"{lines[-1]} {word}".strip()
         if len(MARKUP.sub("", line)) <= most or not lines[-1]:
             lines[-1] = line
