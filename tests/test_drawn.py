@@ -157,5 +157,11 @@ def test_plot_writes_the_table(tmp_path, monkeypatch, capsys):
     header, first, *_ = (tmp_path / "b/a.csv").read_text().splitlines()
     assert header == ",".join(COLUMNS)
     assert len(first.split(",")) == len(COLUMNS)
+    asked = data.attributes(figure("map"), figure("curve"))
+    data.stability_map().assign_attrs(asked).to_netcdf("b.nc")
+    assert fiv(["plot", "b.nc", "-o", "b.csv"]) == 2
+    told = capsys.readouterr()
+    assert told.out == "b-curve.csv\n"
+    assert "b-map.csv: not written" in told.err
     assert fiv(["plot", "a.nc", "--figure", "bifurcation", "-o", "a.txt"]) == 2
     assert "use -o a.png, or, for the numbers that it draws, a.csv" in capsys.readouterr().err

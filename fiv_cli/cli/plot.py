@@ -109,10 +109,15 @@ def command(
     else:
         figures = _of_laws(laws, look, speed) if laws else _of_files(files, name, look, undrawn)
     for path, figure in _with_paths(figures, output):
-        save(figure, path, look)
-        click.echo(path)
+        try:
+            save(figure, path, look)
+            click.echo(path)
+        except UsageError as error:
+            undrawn.append(error)
+    for one in undrawn[:-1]:
+        click.echo(one, err=True)
     if undrawn:
-        raise undrawn[0]
+        raise undrawn[-1]
 
 
 def _of_laws(laws: Sequence[str], look: Look, speed: float | None) -> list[tuple[Path, Figure]]:
