@@ -165,3 +165,18 @@ def test_plot_writes_the_table(tmp_path, monkeypatch, capsys):
     assert "b-map.csv: not written" in told.err
     assert fiv(["plot", "a.nc", "--figure", "bifurcation", "-o", "a.txt"]) == 2
     assert "use -o a.png, or, for the numbers that it draws, a.csv" in capsys.readouterr().err
+
+
+def test_several_outputs_are_those_of_each_alone(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    data.bifurcation().to_netcdf("a.nc")
+    asked = ["plot", "a.nc", "--figure", "bifurcation", "--style", "paper"]
+    names = ["a.pdf", "a.csv", "a.png"]
+    assert fiv([*asked, *(part for name in names for part in ("-o", name))]) == 0
+    assert capsys.readouterr().out.split() == names
+    for name in names:
+        assert fiv([*asked, "-o", f"alone-{name}"]) == 0
+        assert (tmp_path / name).read_bytes() == (tmp_path / f"alone-{name}").read_bytes()
+    capsys.readouterr()
+    assert fiv([*asked, "--figure", "curve", "-o", "b.png"]) == 0
+    assert capsys.readouterr().out.split() == ["b-a-bifurcation.png", "b-a-curve.png"]

@@ -277,3 +277,12 @@ def test_a_misspelt_figure_or_law_to_draw(capsys: pytest.CaptureFixture[str]) ->
     assert "did you mean 'curve'?" in capsys.readouterr().err
     assert run(["plot", "--law", "stribek"]) == 2
     assert "did you mean 'stribeck'" in capsys.readouterr().err
+
+
+def test_an_option_given_again_though_one_counts(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["new", "belt-1dof", "--analysis", "history", "--analysis", "cycle"]) == 0
+    said = capsys.readouterr()
+    assert 'kind = "cycle"' in said.out
+    assert said.err == "WARNING: --analysis is given 2 times; the last counts\n"
+    assert run(["diff", "--set", "a", "--at", "v=1", "--at", "N=1", "--json", "--json"]) == 2
+    assert "WARNING" not in capsys.readouterr().err

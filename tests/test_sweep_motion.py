@@ -118,6 +118,14 @@ def test_a_number_as_it_is_printed_names_a_point_if_only_one_is_printed_so() -> 
         assert str(refused.value).endswith(f"add --set 'grid.v=[{none}]'")
 
 
+def test_what_is_wrong_along_several_axes_is_told_at_once() -> None:
+    case = sweep_fakes.case(sweep_fakes.BELT)
+    with pytest.raises(UsageError) as refused:
+        find_point(case, {"N": "3.5", "v": "0.7", "initial": "far"})
+    set_both = "--set 'grid.N=[3.5]'", "--set 'grid.v=[0.7]'"
+    assert all(text in str(refused.value) for text in set_both)
+
+
 def test_zipped_axes_are_named_by_what_makes_them_unique() -> None:
     text = sweep_fakes.BELT.replace(
         "N = { start = 1, stop = 5, num = 5 }\nv = [0.5, 1.0, 2.0]",

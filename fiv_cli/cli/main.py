@@ -122,7 +122,10 @@ class LazyGroup(click.Group):
             known = suggest(args[0], COMMANDS.keys()) or "`fiv --help` lists the commands"
             hint = f"\nnext: {other}" if other else f"; {known}"
             ctx.fail(f"there is no command {args[0]!r}{hint}")
-        return super().resolve_command(ctx, args)
+        name, command, rest = super().resolve_command(ctx, args)
+        if command is not None:
+            _warn_of_repeated(command, rest)
+        return name, command, rest
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
@@ -135,6 +138,18 @@ class LazyGroup(click.Group):
             if name.startswith(incomplete)
         ]
         return names or click.Command.shell_complete(self, ctx, incomplete)
+
+
+def _warn_of_repeated(command: click.Command, args: list[str]) -> None:
+    """Say which options are given again though one value counts; as in every shell, the last."""
+    context = click.Context(command, resilient_parsing=True)  # what is wrong is told elsewhere
+    _, _, given = command.make_parser(context).parse_args(list(args))
+    for option in dict.fromkeys(given):
+        if isinstance(option, click.Option) and not (option.multiple or option.is_flag):
+            times = given.count(option)
+            if times > 1:
+                told = f"{option.opts[-1]} is given {times} times; the last counts"
+                click.echo(f"WARNING: {told}", err=True)
 
 
 def _kind_called(word: str) -> str:

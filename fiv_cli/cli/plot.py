@@ -32,11 +32,18 @@ SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
 @click.option(
     "-o",
     "--output",
+    "outputs",
     type=click.Path(path_type=Path),
-    help="Figure to write: .png, .svg or .pdf; .csv: its points and lines as numbers. Default: "
-    "STEM-FIGURE.png beside the dataset.",
+    multiple=True,
+    help="Figure to write: .png, .svg or .pdf; .csv: its points and lines as numbers (repeatable). "
+    "Default: STEM-FIGURE.png beside the dataset.",
 )
-@click.option("--figure", "name", help="Draw this figure of the case only, or this kind of figure.")
+@click.option(
+    "--figure",
+    "names",
+    multiple=True,
+    help="Draw this figure of the case only, or this kind of figure (repeatable).",
+)
 @with_option
 @click.option(
     "--law",
@@ -64,8 +71,8 @@ SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
 )
 def command(
     files: tuple[Path, ...],
-    output: Path | None,
-    name: str | None,
+    outputs: tuple[Path, ...],
+    names: tuple[str, ...],
     laws: tuple[str, ...],
     speed: float | None,
     loop: str | None,
@@ -89,8 +96,7 @@ def command(
       fiv new pin-on-disc > a.toml && fiv run a.toml && fiv plot runs/a.nc
       fiv plot runs/a.nc --figure bifurcation -o a.pdf --style paper --width 84
       fiv run a.toml --set model.parameters.N0=20 -o lighter.nc
-      fiv plot runs/a.nc lighter.nc --figure bifurcation -o both.svg
-      fiv plot runs/a.nc lighter.nc --figure bifurcation -o both.csv
+      fiv plot runs/a.nc lighter.nc --figure bifurcation -o both.svg -o both.csv
       fiv plot --law coulomb --law stribeck:mu_s=0.5,v_s=0.05 --speed 0.3
       fiv plot --law dahl --law lugre:sigma_1=10 --loop amplitude=1e-3,omega=5,periods=3
     """
@@ -107,8 +113,8 @@ def command(
     if loop is not None:
         figures = _of_loops(laws, loop, look)
     else:
-        figures = _of_laws(laws, look, speed) if laws else _of_files(files, name, look, undrawn)
-    for path, figure in _with_paths(figures, output):
+        figures = _of_laws(laws, look, speed) if laws else _of_files(files, names, look, undrawn)
+    for path, figure in _with_paths(figures, outputs):
         try:
             save(figure, path, look)
             click.echo(path)
@@ -175,7 +181,7 @@ def _number(text: str) -> float | int | str:
 
 
 def _of_files(
-    files: Sequence[Path], name: str | None, look: Look, undrawn: list[UsageError]
+    files: Sequence[Path], names: Sequence[str], look: Look, undrawn: list[UsageError]
 ) -> list[tuple[Path, Figure]]:
     """(default path, figure) of every figure; those that overlay are drawn once for all files.
 
@@ -190,7 +196,7 @@ def _of_files(
     from fiv_cli.reading.datasets import read_analyses
 
     drawn, left_out = [], []
-    for default, sources, figure in _asked(files, name):
+    for default, sources, figure in _asked(files, names):
         try:
             drawn.append((default, _drawn(sources, figure, look)))
         except UsageError as error:
@@ -206,9 +212,10 @@ def _of_files(
     return drawn
 
 
-def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sources, FigureSpec]]:
+def _asked(
+    files: Sequence[Path], names: Sequence[str]
+) -> Iterator[tuple[Path, Sources, FigureSpec]]:
     """(default path, what it is drawn from, figure) of every figure that is asked for."""
-    from fiv_cli.plots.drawing import KINDS
     from fiv_cli.reading.changed import changed_since
     from fiv_cli.reading.datasets import read_analyses
 
@@ -219,6 +226,14 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sour
             click.echo(f"{file}: partial, {attributes['partial']}", err=True)
         if changed := changed_since(attributes):
             click.echo(f"WARNING: {file} is drawn as it was run; {changed}", err=True)
+    for name in dict.fromkeys(names) or [None]:
+        yield from _called(name, sources)
+
+
+def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources, FigureSpec]]:
+    """(default path, what it is drawn from, figure) of what is called `name`; None: of every."""
+    from fiv_cli.plots.drawing import KINDS
+
     lender = next((source for _, source in sources if _has_figure(source, name)), None)
     shared: list[str] = []
     for (file, source), (label, _) in zip(sources, _named(sources), strict=True):
@@ -227,11 +242,11 @@ def _asked(files: Sequence[Path], name: str | None) -> Iterator[tuple[Path, Sour
         asks = lender if lender and not _has_figure(source, name) else source
         for figure in _chosen(file, asks, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
-            if len(files) == 1:
+            if len(sources) == 1:
                 yield default, sources, figure
             elif not KINDS[figure.kind].overlays:
                 yield default, [(file, _labelled(source, label))], figure
-            elif file == files[0]:
+            elif file == sources[0][0]:
                 shared += [figure.name, figure.kind]
                 yield default, sources, figure
 
@@ -312,12 +327,13 @@ def _why_not(source: dict[str, xr.Dataset], figure: FigureSpec) -> str:
 
 
 def _with_paths(
-    figures: list[tuple[Path, Figure]], output: Path | None
+    figures: list[tuple[Path, Figure]], outputs: Sequence[Path]
 ) -> Iterator[tuple[Path, Figure]]:
-    """Each figure with where it goes: `output` itself, or beside it when there are several."""
+    """Each figure with where it goes: each of `outputs`, or beside it when there are several."""
     for default, figure in figures:
-        if output is None or len(figures) == 1:
-            yield output or default, figure
-        else:
+        if not outputs:
+            yield default, figure
+        for output in outputs:
             which = default.stem.removeprefix(f"{output.stem}-")
-            yield output.with_name(f"{output.stem}-{which}{output.suffix}"), figure
+            several = f"{output.stem}-{which}{output.suffix}"
+            yield output.with_name(several) if len(figures) > 1 else output, figure

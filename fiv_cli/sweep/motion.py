@@ -94,7 +94,7 @@ def find_point(case: Case, at: Mapping[str, str]) -> Point:
                 f"--at {name}: no axis of this case\nnext: choose from {', '.join(names)}"
             )
     written = _canonical(case, at)
-    indices = [_index_along(dim, written) for dim in dims]
+    indices = _indices(dims, written)
     values = [axis.values[i] for dim, i in zip(dims, indices, strict=True) for axis in dim.axes]
     _refuse_excluded(analysis, tuple(values[:-1]))
     position = int(np.ravel_multi_index(indices, layout.shape))
@@ -247,6 +247,19 @@ def _canonical(case: Case, at: Mapping[str, str]) -> dict[str, str]:
                 text = texts[option.name]
                 texts[option.name] = option.text(json.loads(text) if "[" in text else text)
     return texts
+
+
+def _indices(dims: Sequence[Dim], at: Mapping[str, str]) -> list[int]:
+    """Index along each dim; what is wrong along several is told at once."""
+    indices, refused = [], []
+    for dim in dims:
+        try:
+            indices.append(_index_along(dim, at))
+        except UsageError as error:
+            refused.append(str(error))
+    if refused:
+        raise UsageError("\n".join(refused))
+    return indices
 
 
 def _index_along(dim: Dim, at: Mapping[str, str]) -> int:
