@@ -383,6 +383,10 @@ def test_a_branch_goes_no_further_than_friction_makes_sense() -> None:
     mu_k = found.ragged["branch_value"]
     slip = pi + 2 * np.arctan(1 / (10 * (0.4 - mu_k)))
     np.testing.assert_allclose(found.ragged["branch_period"], slip + 20 * (0.4 - mu_k), rtol=1e-9)
+    assert set(found.ragged["branch_multiplicity"]) == {1}
+    far = mu_k < 0.3999  # from where it lands along the belt's speed, and x with the root of errors
+    lands = found.ragged["branch_section"][far]  # as far below mu_k N as it let go above
+    np.testing.assert_allclose(lands, 20 * mu_k[far] - 4, atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from matplotlib.text import Text
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
+from fiv_cli.dynamics.settings import Section
 from fiv_cli.errors import CaseError, EmptyFigureError, InputError, StorageError, UsageError
 from fiv_cli.flags import REASON, advice
 from fiv_cli.friction import get_law
@@ -401,6 +402,52 @@ def test_a_branch_may_be_laid_over_a_bifurcation_diagram_along_its_parameter():
     np.testing.assert_array_equal(low[:, 1], 0.0)
     other = [("", response), ("branch", branch_along_the_speed("N0"))]
     assert not dashed(draw(other, figure("bifurcation")).axes[0])
+
+
+@pytest.mark.parametrize("chosen", [True, False])
+def test_unstable_cycles_are_drawn_at_the_section_of_the_diagram(chosen):
+    """Of as many points as each passes there; where sections differ, by their extremes."""
+    response = on_section(data.bifurcation(), "response", chosen)
+    sizes = xr.full_like(branch_along_the_speed()["branch_row_size"], 7)
+    branch = branch_along_the_speed().assign(
+        branch_multiplicity=("branch_obs", [1.0, 2.0, 2.0, 2.0]),
+        branch_section_row_size=sizes.assign_attrs(sample_dimension="branch_section_obs"),
+        branch_section=("branch_section_obs", [9.0, 0.3, 0.2, 0.15, 0.25, 0.1, 0.2]),
+    )
+    along = [("", response), ("branch", on_section(branch, "cycle", chosen))]
+    (ax,) = draw(along, figure("bifurcation")).axes
+    low, high = (line[np.isfinite(line[:, 1])] for line in dashed(ax))
+    np.testing.assert_allclose(low[-3:], [[2.0, 0.2], [1.5, 0.15], [1.0, 0.1]])
+    np.testing.assert_allclose(high, [[2.0, 0.3], [1.5, 0.25], [1.0, 0.2]])
+    assert "branch: unstable cycle" not in legend_texts(ax) and "unstable cycle" in legend_texts(ax)
+    other = on_section(branch, "cycle", chosen, "stick->slip")
+    untold = branch.assign(branch_multiplicity=branch["branch_multiplicity"] * np.nan)
+    for one in (other, on_section(untold, "cycle", chosen)):
+        (ax,) = draw([("", response), ("branch", one)], figure("bifurcation")).axes
+        assert {*dashed(ax)[0][:, 1]} == {0.0}
+
+
+def test_cycles_of_the_grid_are_drawn_at_the_section_of_the_diagram():
+    cycles = cycles_along_the_grid()
+    sizes = xr.full_like(cycles["phi_min"], 2, int).assign_attrs(sample_dimension="section_obs")
+    passed = ("section_obs", np.tile([0.05, 0.03], 46), {"long_name": "phi at the section"})
+    cycles = on_section(cycles.assign(section_row_size=sizes, section_value=passed), "cycle", False)
+    response = on_section(data.bifurcation(), "response", False)
+    (ax,) = draw({"response": response, "cycle": cycles}, figure("bifurcation")).axes
+    heights = [{*line[np.isfinite(line[:, 1]), 1]} for line in dashed(ax)]
+    assert heights == [{0.03}, {0.05}] and "unstable cycle" in legend_texts(ax)
+
+
+def on_section(dataset, kind, chosen, event="slip->stick"):
+    """A dataset whose points lie on a section that the case asked for, or the motions chose."""
+    if not chosen:
+        asked = {"kind": kind, "settings": {"section": Section("event", event).__dict__}}
+        return dataset.assign_attrs(analyses_json=json.dumps({kind: asked}))
+    dims, shape = dataset["status"].dims, dataset["status"].shape
+    names = np.full(shape, event.replace("->", "_to_"), object)
+    names.flat[1:2] = "not_computed"
+    kinds = data.flags(dims, names, ("not_computed", "slip_to_stick", "stick_to_slip"))
+    return dataset.assign(section_kind=kinds, section_contact=(dims, np.ones(shape)))
 
 
 def test_a_diagram_of_an_analysis_takes_branches_from_datasets_that_have_no_such():

@@ -20,7 +20,7 @@ from fiv_cli.flags import SECTION
 from fiv_cli.plots import branch, labels, points, style
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import is_class, numbers
+from fiv_cli.reading.datasets import class_names, is_class, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,7 +67,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         parts = [_of_the_same(one, layer.dataset) for one in others]
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
-        _dash_unstable(ax, own, axis, observed, layer.label, where)
+        _dash_unstable(ax, own, axis, layer, name, where)
     for layer, told in judged:
         _draw_equilibria(ax, layer, told, axis, observed)
     ax.set_ylabel(labels.axis_label(first[name]))
@@ -233,20 +233,51 @@ def _dash_unstable(
     ax: Axes,
     datasets: Sequence[xr.Dataset],
     axis: xr.DataArray,
-    observed: str,
-    whose: str,
+    layer: points.Layer,
+    name: str,
     where: str,
 ) -> None:
-    """The least and the greatest of every unstable cycle along `axis`, in the colour of `whose`."""
-    extremes_of = f"least and greatest ${labels.symbol_of_name(observed)}$"
-    label = points.joined(whose, f"unstable cycle: {extremes_of}{where}")
+    """Every unstable cycle along `axis` in the colour of its diagram.
+
+    What it passes at the section of the diagram; else its least and its greatest.
+    """
+    whose, observed = layer.label, _observed(layer.dataset[name])
+    extremes_of = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}$"
     colours = points.colours([ax]).items() if whose else ()
-    colour = next((own for name, own in colours if name.startswith(whose)), style.BLACK)
+    colour = next((own for label, own in colours if label.startswith(whose)), style.BLACK)
+    told = set()
     for dataset in datasets:
-        for x, extremes in _unstable(dataset, axis, observed):
-            for height in extremes:
-                ax.plot(x, height, "--", lw=0.9, color=colour, zorder=1.5, label=label)
-                label = points.unlisted(label)
+        at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
+        label = points.joined(whose, "unstable cycle" if at_section else f"{extremes_of}{where}")
+        for x, heights in _unstable(dataset, axis, observed, at_section):
+            for height in heights:
+                own = points.unlisted(label) if label in told else label
+                ax.plot(x, height, "--", lw=0.9, color=colour, zorder=1.5, label=own)
+                told.add(label)
+
+
+def _of_one_section(dataset: xr.Dataset, diagram: xr.Dataset) -> bool:
+    """Whether cycles and diagram lie on the same section, the only one that either has."""
+    if branch.suits(dataset) and not branch.tells_sections(dataset):
+        return False
+    sections = _sections(dataset, "cycle")
+    return len(sections) == 1 and sections == _sections(diagram, "response")
+
+
+def _sections(dataset: xr.Dataset, kind: str) -> set[tuple[object, ...]]:
+    """The sections that an analysis of this kind was asked for, or that its motions chose."""
+    if "section_kind" in dataset:
+        kinds = class_names(dataset["section_kind"]).ravel()
+        contacts = numbers(dataset["section_contact"]).values.ravel()
+        chosen = set(zip(kinds.tolist(), np.nan_to_num(contacts).tolist(), strict=True))
+        return {one for one in chosen if one[0] != SECTION.fill}
+    asked = [one["settings"]["section"] for one in _analyses(dataset) if one["kind"] == kind]
+    return {
+        (section["event"].replace("->", "_to_"), section["contact"])
+        if section["kind"] == "event"
+        else tuple(section.values())
+        for section in asked
+    }
 
 
 def _judged(
@@ -322,19 +353,32 @@ def _analyses(diagram: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def _unstable(
-    dataset: xr.Dataset, axis: xr.DataArray, observed: str
+    dataset: xr.Dataset, axis: xr.DataArray, observed: str, at_section: bool
 ) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
-    """Places and both extremes of unstable cycles: stretches of a branch, or points of the grid."""
+    """Places of unstable cycles, stretches of a branch or points of the grid, and their heights.
+
+    These are both extremes, or what they pass `at_section`.
+    """
     if branch.suits(dataset) and branch.is_of(dataset, str(axis.name), observed):
         for line in points.lines(dataset, [], points.grid_dims(dataset)):
-            for word, x, extremes in branch.stretches(dataset, line.index):
+            for word, x, known in branch.stretches(dataset, line.index, at_section=at_section):
                 if word == "unstable":
-                    yield x, extremes
+                    yield x, known
     elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
+        place, dim = dataset.coords[str(axis.name)], str(axis.dims[0])
         unstable = is_class(dataset["stable"], ("unstable",))
-        dim = str(axis.dims[0])
+        extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
+        heights = [*_at_section(dataset)] if at_section else extremes
         for line in points.lines(dataset, [dim], points.grid_dims(dataset)):
-            part, mask = dataset.isel(line.index), unstable.isel(line.index)
-            extremes = [part[f"{observed}_{end}"].where(mask).values for end in ("min", "max")]
+            mask = unstable.isel(line.index)
             if mask.any():
-                yield points.positions(dataset.coords[str(axis.name)]), extremes
+                known = [height.isel(line.index).where(mask).values for height in heights]
+                yield points.positions(place), known
+
+
+def _at_section(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
+    """The least that each cycle passes at the section, the one above it, and so on."""
+    sizes = select.row_sizes(dataset, DEFAULT)
+    assert sizes is not None
+    for values in branch.columns(dataset[DEFAULT].values, sizes.values.ravel()):
+        yield sizes.copy(data=values.reshape(sizes.shape))

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 ALONG = "branch_value"
 EXTREMES = ("branch_min", "branch_max")
+AT_SECTION = "branch_section"
 DASHES = {"stable": "-", "unstable": "--", "neutral": ":"}
 # What is not marked: an edge of the bracket, or where a closed branch began, says nothing of it.
 UNMARKED = ("bracket", "closed", "not_computed")
@@ -93,16 +94,27 @@ def is_of(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
     return words[0].startswith(f"{parameter} ") and f" {observed} " in words[1]
 
 
+def tells_sections(dataset: xr.Dataset) -> bool:
+    """Whether every cycle tells what it passes at the section; before version 0.2 none did."""
+    return AT_SECTION in dataset and bool(dataset["branch_multiplicity"].notnull().all())
+
+
 def stretches(
-    dataset: xr.Dataset, index: Mapping[str, int]
+    dataset: xr.Dataset, index: Mapping[str, int], *, at_section: bool = False
 ) -> Iterator[tuple[str, np.ndarray, list[np.ndarray]]]:
     """Stability, values of the parameter and both extremes of each piece of a branch.
 
-    Pieces meet where the stability changes: at what was bisected, between two cycles.
+    Instead of these, what its cycles pass `at_section`, the least first. Pieces meet where the
+    stability changes: at what was bisected, between two cycles.
     """
     row, ends = _rows(dataset, ALONG, index), _rows(dataset, "cycle_end", index)
     stability = class_names(dataset["branch_stable"])[row]
-    cycles = np.stack([dataset[name].values[row] for name in (ALONG, *EXTREMES)])
+    if at_section:
+        passed = dataset[AT_SECTION].values[_rows(dataset, AT_SECTION, index)]
+        heights = columns(passed, dataset["branch_multiplicity"].values[row])
+    else:
+        heights = np.stack([dataset[name].values[row] for name in EXTREMES])
+    cycles = np.vstack([dataset[ALONG].values[row], heights])
     changes = (np.flatnonzero(stability[1:] != stability[:-1]) + 1).tolist()
     known = dataset["cycle_end"].values[ends]
     met = {at: _between(cycles[:, at - 1], cycles[:, at], known) for at in changes}
@@ -110,6 +122,18 @@ def stretches(
         joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
         value, *extremes = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
         yield str(stability[begin]), value, extremes
+
+
+def columns(values: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """Values of which the first `sizes[0]` belong together, and so on: sorted, a column for each.
+
+    What a column has less than the longest is NaN.
+    """
+    sizes = sizes.astype(int)
+    whole = np.full((sizes.max(initial=0), sizes.size), np.nan)
+    for column, part in zip(whole.T, np.split(values, np.cumsum(sizes))[:-1], strict=True):
+        column[: part.size] = np.sort(part)
+    return whole
 
 
 def _between(before: np.ndarray, after: np.ndarray, changes: np.ndarray) -> np.ndarray:

@@ -83,6 +83,11 @@ def _branch(subject: Subject) -> list[Variable]:
         Variable("branch_period", "s", "period along the branch", ragged=branch),
         Variable("branch_min", unit, f"least {observed} of the cycle", ragged=branch),
         Variable("branch_max", unit, f"greatest {observed} of the cycle", ragged=branch),
+        count("branch_multiplicity", "section points per period along the branch", ragged=branch),
+        Variable(
+            "branch_section", unit, f"{observed} at the section along the branch",
+            ragged="branch_section", comment="branch_multiplicity of each cycle, the least first",
+        ),
         Variable(
             "branch_multiplier", "1", "modulus of the largest nontrivial multiplier", ragged=branch
         ),
@@ -92,7 +97,7 @@ def _branch(subject: Subject) -> list[Variable]:
         *_end("highest", varied),
         *_stable_end("lowest", varied),
         *_stable_end("highest", varied),
-    ]
+    ]  # fmt: skip
 
 
 def _changes(varied: Varied) -> list[Variable]:

@@ -277,11 +277,14 @@ def _both_ways(
 
 def _branch_arrays(points: list[Point], observed: int) -> dict[str, object]:
     cycles = [point.cycle for point in points]
+    at_section = [np.sort(cycle.points[:, observed]) for cycle in cycles]
     return {
         "branch_value": np.array([point.value for point in points]),
         "branch_period": np.array([cycle.period for cycle in cycles]),
         "branch_min": np.array([cycle.extremes[0, observed] for cycle in cycles]),
         "branch_max": np.array([cycle.extremes[1, observed] for cycle in cycles]),
+        "branch_multiplicity": np.array([passed.size for passed in at_section], dtype=int),
+        "branch_section": np.concatenate([*at_section, np.zeros(0)]),
         "branch_multiplier": np.array([cycle.largest for cycle in cycles]),
         "branch_stable": [_stability(cycle) for cycle in cycles],
     }
