@@ -61,8 +61,8 @@ FIGURES = {
     "basin": ("starts over two of their states, coloured by what they reach", ("x", "y")),
     "bifurcation": (
         "what motions pass at the section and where they rest, along an axis; with the equilibria, "
-        "stable or not, of an `eigenvalues` analysis of the case, the unstable cycles of a "
-        "`cycle`, at the section where both have the same, else their extremes",
+        "stable or not, of an `eigenvalues` analysis of the case, and the cycles of a `cycle` on "
+        "the same section (of unstable ones on another their extremes)",
         ("x", "variable"),
     ),
     "curve": ("a variable along an axis, a line for each start", ("x", "y", "variable", "take")),

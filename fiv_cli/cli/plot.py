@@ -87,7 +87,7 @@ def command(
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
     any, a figure of each kind that suits it. Several files share one figure where that makes
     sense (curve, bifurcation, branch), each called by what it differs in; a bifurcation diagram
-    takes the unstable cycles of files that hold a branch. Kinds: map, basin, bifurcation, curve,
+    takes the cycles of files that hold a branch. Kinds: map, basin, bifurcation, curve,
     branch, eigenvalues, history, phase, spectrum, spectrogram, mode-shape. A figure that would be
     empty is not written, and says why. Of several figures -o b.png makes b-a-NAME.png of each.
 

@@ -32,6 +32,7 @@ DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.3
 ELSEWHERE = ", not at the section"
+CYCLES = {"stable": "-", "unstable": "--"}
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -41,7 +42,7 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """Marks of every layer, one sort for each start or further axis; unstable cycles dashed."""
+    """Marks of every layer, one sort for each start or further axis, and lines of cycles."""
     name = points.one_variable(settings, DEFAULT)
     holding = [layer for layer in layers if name in layer.dataset]
     shown = [layer for layer in holding if not branch.suits(layer.dataset)] or holding
@@ -67,7 +68,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         parts = [_of_the_same(one, layer.dataset) for one in others]
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
-        _dash_unstable(ax, own, axis, layer, name, where)
+        _draw_cycles(ax, own, axis, layer, name, where)
     for layer, told in judged:
         _draw_equilibria(ax, layer, told, axis, observed)
     ax.set_ylabel(labels.axis_label(first[name]))
@@ -229,7 +230,7 @@ def _refuse_of_none(layers: Sequence[points.Layer], shown: Sequence[points.Layer
             )
 
 
-def _dash_unstable(
+def _draw_cycles(
     ax: Axes,
     datasets: Sequence[xr.Dataset],
     axis: xr.DataArray,
@@ -237,28 +238,33 @@ def _dash_unstable(
     name: str,
     where: str,
 ) -> None:
-    """Every unstable cycle along `axis` in the colour of its diagram.
+    """Every cycle along `axis`, in the colour of its diagram: what it passes at the section.
 
-    What it passes at the section of the diagram; else its least and its greatest.
+    Of a cycle that is not known there the least and the greatest, and only if it is unstable: the
+    marks of a stable one lie elsewhere.
     """
     whose, observed = layer.label, _observed(layer.dataset[name])
-    extremes_of = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}$"
+    extremes_of = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}${where}"
     colours = points.colours([ax]).items() if whose else ()
     colour = next((own for label, own in colours if label.startswith(whose)), style.BLACK)
-    told = set()
     for dataset in datasets:
         at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
-        label = points.joined(whose, "unstable cycle" if at_section else f"{extremes_of}{where}")
-        for x, heights in _unstable(dataset, axis, observed, at_section):
+        told = (
+            {word: f"{word} cycle" for word in CYCLES} if at_section else {"unstable": extremes_of}
+        )
+        for word, x, heights in _cycles(dataset, axis, observed, at_section):
+            if word not in told:
+                continue
+            look: dict[str, Any] = {"ls": CYCLES[word], "lw": 1.2, "zorder": 1.5}
+            if told[word] not in [line.get_label() for line in ax.lines]:
+                ax.plot([], [], color=style.BLACK, label=told[word], **look)
             for height in heights:
-                own = points.unlisted(label) if label in told else label
-                ax.plot(x, height, "--", lw=0.9, color=colour, zorder=1.5, label=own)
-                told.add(label)
+                ax.plot(x, height, color=colour, label=points.unlisted(whose, told[word]), **look)
 
 
 def _of_one_section(dataset: xr.Dataset, diagram: xr.Dataset) -> bool:
     """Whether cycles and diagram lie on the same section, the only one that either has."""
-    if branch.suits(dataset) and not branch.tells_sections(dataset):
+    if branch.suits(dataset) and not branch.meets_sections(dataset):
         return False
     sections = _sections(dataset, "cycle")
     return len(sections) == 1 and sections == _sections(diagram, "response")
@@ -352,28 +358,25 @@ def _analyses(diagram: xr.Dataset) -> list[dict[str, Any]]:
     return list(json.loads(diagram.attrs.get("analyses_json", "{}")).values())
 
 
-def _unstable(
+def _cycles(
     dataset: xr.Dataset, axis: xr.DataArray, observed: str, at_section: bool
-) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
-    """Places of unstable cycles, stretches of a branch or points of the grid, and their heights.
+) -> Iterator[tuple[str, np.ndarray, list[np.ndarray]]]:
+    """Stability, places and heights of cycles: of stretches of a branch, or points of the grid.
 
-    These are both extremes, or what they pass `at_section`.
+    The heights are both extremes, or what they pass `at_section`.
     """
     if branch.suits(dataset) and branch.is_of(dataset, str(axis.name), observed):
         for line in points.lines(dataset, [], points.grid_dims(dataset)):
-            for word, x, known in branch.stretches(dataset, line.index, at_section=at_section):
-                if word == "unstable":
-                    yield x, known
+            yield from branch.stretches(dataset, line.index, at_section=at_section)
     elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
-        place, dim = dataset.coords[str(axis.name)], str(axis.dims[0])
-        unstable = is_class(dataset["stable"], ("unstable",))
+        x, dim = points.positions(dataset.coords[str(axis.name)]), str(axis.dims[0])
         extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
         heights = [*_at_section(dataset)] if at_section else extremes
-        for line in points.lines(dataset, [dim], points.grid_dims(dataset)):
-            mask = unstable.isel(line.index)
+        lines = points.lines(dataset, [dim], points.grid_dims(dataset))
+        for word, line in itertools.product(CYCLES, lines):
+            mask = is_class(dataset["stable"], (word,)).isel(line.index)
             if mask.any():
-                known = [height.isel(line.index).where(mask).values for height in heights]
-                yield points.positions(place), known
+                yield word, x, [height.isel(line.index).where(mask).values for height in heights]
 
 
 def _at_section(dataset: xr.Dataset) -> Iterator[xr.DataArray]:

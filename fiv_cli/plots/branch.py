@@ -94,9 +94,9 @@ def is_of(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
     return words[0].startswith(f"{parameter} ") and f" {observed} " in words[1]
 
 
-def tells_sections(dataset: xr.Dataset) -> bool:
-    """Whether every cycle tells what it passes at the section; before version 0.2 none did."""
-    return AT_SECTION in dataset and bool(dataset["branch_multiplicity"].notnull().all())
+def meets_sections(dataset: xr.Dataset) -> bool:
+    """Whether every cycle is known to pass the section; what never sticks passes no stick."""
+    return AT_SECTION in dataset and bool((dataset["branch_multiplicity"] > 0.0).all())
 
 
 def stretches(
@@ -105,7 +105,7 @@ def stretches(
     """Stability, values of the parameter and both extremes of each piece of a branch.
 
     Instead of these, what its cycles pass `at_section`, the least first. Pieces meet where the
-    stability changes: at what was bisected, between two cycles.
+    stability changes: at what was bisected, between two cycles that pass as often.
     """
     row, ends = _rows(dataset, ALONG, index), _rows(dataset, "cycle_end", index)
     stability = class_names(dataset["branch_stable"])[row]
@@ -115,9 +115,12 @@ def stretches(
     else:
         heights = np.stack([dataset[name].values[row] for name in EXTREMES])
     cycles = np.vstack([dataset[ALONG].values[row], heights])
-    changes = (np.flatnonzero(stability[1:] != stability[:-1]) + 1).tolist()
+    counts = np.isfinite(cycles).sum(axis=0)  # another one: no value goes on from one to the next
+    differs = (stability[1:] != stability[:-1]) | (counts[1:] != counts[:-1])
+    changes = (np.flatnonzero(differs) + 1).tolist()
     known = dataset["cycle_end"].values[ends]
-    met = {at: _between(cycles[:, at - 1], cycles[:, at], known) for at in changes}
+    alike = [at for at in changes if counts[at - 1] == counts[at]]
+    met = {at: _between(cycles[:, at - 1], cycles[:, at], known) for at in alike}
     for begin, end in pairwise([0, *changes, len(stability)] if len(stability) else []):
         joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
         value, *extremes = np.hstack([joins[0], cycles[:, begin:end], joins[1]])

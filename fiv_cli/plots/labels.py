@@ -96,10 +96,11 @@ def symbol(variable: xr.DataArray, name: str) -> str:
 
 def symbol_of_name(name: str) -> str:
     r"""LaTeX of an ASCII name: ``mu_k`` is ``\mu_{k}``, ``phi_dot`` is ``\dot{\varphi}``."""
-    if name.endswith("_dot"):
-        return dotted_symbol(symbol_of_name(name.removesuffix("_dot")))
     if "_over_" in name:
         return "/".join(map(symbol_of_name, name.split("_over_")))
+    stem, dot, rest = name.partition("_dot")
+    if dot and rest[:1] in ("", "_"):
+        return dotted_symbol(symbol_of_name(stem + rest))
     stem, *subscripts = name.split("_")
     letters, digits = re.fullmatch(r"(.*?)(\d*)", stem).groups()  # type: ignore[union-attr]
     subscripts = [digits, *subscripts] if digits else subscripts
