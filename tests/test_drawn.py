@@ -24,6 +24,9 @@ def figure(kind, **settings):
     return FigureSpec(kind, kind, settings)
 
 
+SHOWN = ("near", "far", "far, undecided")
+
+
 def table(drawn):
     return list(csv.DictReader(io.StringIO(as_csv(drawn, Path("a.csv")))))
 
@@ -40,7 +43,7 @@ def test_a_diagram_has_a_row_for_each_value_at_the_section_and_for_each_point_at
     at_rest = found["Omega"].values[30:]
     told = points(rows, "near, at rest")
     np.testing.assert_array_equal(told, np.stack([at_rest, 0.01 * at_rest], axis=1))
-    values = [row["y"] for row in rows if row["series"] in ("near", "far")]
+    values = [row["y"] for row in rows if row["series"] in SHOWN]
     assert sorted(map(float, values)) == sorted(found["section_value"].values.tolist())
     (failed,) = [row for row in rows if row["series"].startswith("failed")]
     assert (float(failed["x"]), failed["y"]) == (found["Omega"].values[20], "")
@@ -84,7 +87,8 @@ def test_values_that_are_classes_are_told_in_words():
 def test_every_member_of_random_starts_has_its_points_though_the_legend_has_one_entry():
     found = data.bifurcation().assign_coords(initial=["any-000", "any-001"])
     rows = table(draw(found, figure("bifurcation")))
-    assert len(points(rows, "any")) == found.sizes["section_obs"]
+    told = [points(rows, series) for series in ("any", "any, undecided")]
+    assert sum(map(len, told)) == found.sizes["section_obs"]
 
 
 def test_a_scatter_of_starts_and_the_phase_portrait_of_a_motion():

@@ -58,9 +58,10 @@ def legend_texts(owner):
 def test_a_bifurcation_diagram_has_a_dot_for_every_section_value():
     dataset = data.bifurcation()
     (ax,) = draw(dataset, figure("bifurcation")).axes
-    near, far = marks(ax, "near"), marks(ax, "far")
-    assert len(near) + len(far) == dataset.sizes["section_obs"]
-    assert sorted([*near[:, 1], *far[:, 1]]) == sorted(dataset["section_value"].values)
+    near, far, pale = (marks(ax, label) for label in ("near", "far", "_far, undecided"))
+    passed = [*near[:, 1], *far[:, 1], *pale[:, 1]]
+    assert sorted(passed) == sorted(dataset["section_value"].values)
+    assert {*pale[:, 0]} == {dataset["Omega"].values[10]}  # which has no class
 
 
 def test_each_section_value_stands_at_the_parameter_of_its_row():

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.3
+PALE = 0.4  # what has no class may be on its way yet
 ELSEWHERE = ", not at the section"
 CYCLES = {"stable": "-", "unstable": "--"}
 
@@ -82,13 +83,14 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 class _Cloud:
     """One line of points: what their motions pass at the section, and where they are at rest.
 
-    `crowded` are the values at points that have many.
+    `crowded` are the values at points that have many, `undecided` those of points of no class.
     """
 
     label: str
     x: np.ndarray
     y: np.ndarray
     crowded: np.ndarray
+    undecided: np.ndarray
     rest_x: np.ndarray
     rest_y: np.ndarray
 
@@ -101,8 +103,11 @@ def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterat
         raise UsageError(f"{name}: no values at a section\nnext: draw it as a curve")
     axis = points.abscissa(dataset, settings)
     dim, dims = str(axis.dims[0]), [str(d) for d in sizes.dims]
-    place = dict(zip(dims, np.unravel_index(select.row_of_each(sizes), sizes.shape), strict=True))
-    crowded = np.repeat(sizes.values.ravel() > CROWD, sizes.values.ravel())
+    point = select.row_of_each(sizes)
+    place = dict(zip(dims, np.unravel_index(point, sizes.shape), strict=True))
+    crowded = sizes.values.ravel()[point] > CROWD
+    doubt = points.gaps(dataset).get("undecided", sizes < 0).transpose(*dims).values.ravel()
+    undecided = doubt[point]
     x, y, rest = points.positions(axis), dataset[name].values, _rest(dataset, name)
     for line in points.lines(dataset, [dim], dims):
         belongs = np.logical_and.reduce(
@@ -111,7 +116,7 @@ def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterat
         still = rest.isel(line.index).values
         known = np.isfinite(still)
         label = points.joined(layer.label, line.label)
-        at_section = x[place[dim][belongs]], y[belongs], crowded[belongs]
+        at_section = x[place[dim][belongs]], y[belongs], crowded[belongs], undecided[belongs]
         yield _Cloud(label, *at_section, x[known], still[known])
 
 
@@ -151,11 +156,14 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None
     sorts = 1 + max(entry.number for entry in entries)
     for cloud, entry in zip(clouds, entries, strict=True):
         later = sorts - 1 - entry.number
-        for part, finer, label in (
-            (~cloud.crowded, 1.0, entry.label),
-            (cloud.crowded, FINER, points.unlisted(entry.label)),
+        crowded, undecided = cloud.crowded & ~cloud.undecided, cloud.undecided
+        for part, finer, alpha, label in (
+            (~crowded & ~undecided, 1.0, None, entry.label),
+            (crowded, FINER, None, points.unlisted(entry.label)),
+            (undecided, FINER, PALE, points.unlisted(entry.label, "undecided")),
         ):
             look = style.mark_of(entry.number, sorts, finer * size) | {"color": entry.colour}
+            look["alpha"] = alpha
             ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, rasterized=many, **look)
         dash = {"marker": "_", "ms": size * (1.5 + 0.4 * later), "mew": 0.9 + 0.25 * later}
         mark = dash if resting else style.mark_of(entry.number, sorts, size)
