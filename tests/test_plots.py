@@ -28,7 +28,7 @@ from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.plots.style import BLACK, class_colours, dot_size, line_colours, tame_texts
-from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.datasets import class_names, flag_names
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
 
@@ -1049,6 +1049,18 @@ def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches()
     assert colours == [c.lower() for c in class_colours(["equilibrium", "periodic"])]
     assert two.get_xlabel() == "initial $x$ (m)"
     assert one.get_ylabel() == r"initial $\dot{x}$ (m/s)"
+
+
+def test_a_basin_shows_where_its_motions_rest():
+    dataset = data.basin(speeds=(2.0,))
+    everywhere = xr.zeros_like(dataset["status"], float)
+    rest = {"x_max": everywhere + 0.03, "x_dot_max": everywhere}
+    (ax,) = draw(dataset.assign(rest), figure("basin")).axes
+    (star,) = [one for one in ax.collections if one.get_label() == "where they rest"]
+    resting = int((class_names(dataset["attractor"]) == "equilibrium").sum())
+    np.testing.assert_array_equal(star.get_offsets(), [[0.03, 0.0]] * resting)
+    (ax,) = draw(data.basin(speeds=(0.0,)), figure("basin")).axes
+    assert "where they rest" not in legend_texts(ax)
 
 
 def test_a_class_has_one_mark_in_all_panels_of_a_basin():

@@ -58,7 +58,10 @@ FIGURES = {
         "a variable over two axes: classes in colours, numbers in shades or as lines",
         ("x", "y", "variable", "take", "level", "overlay"),
     ),
-    "basin": ("starts over two of their states, coloured by what they reach", ("x", "y")),
+    "basin": (
+        "starts over two of their states, coloured by what they reach, and where they rest",
+        ("x", "y"),
+    ),
     "bifurcation": (
         "what motions pass at the section and where they rest, along an axis; with the equilibria, "
         "stable or not, of an `eigenvalues` analysis of the case, and the cycles of a `cycle` on "

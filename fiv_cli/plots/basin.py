@@ -29,6 +29,7 @@ STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
 ENTRY = 36  # letters of an entry of a legend
 UNDER_LABEL = 3.8  # letters' sizes under a panel: ticks and a label stand between
+STAR = 60.0  # area of the mark of an equilibrium, in square points
 MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
 
 
@@ -119,6 +120,13 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
             x[mask], y[mask], size, color=colour, marker=marks[name], lw=0.5,
             zorder=3.0 - mask.mean(), label=f"{name.replace('_', ' ')} {share}".rstrip(),
             rasterized=len(x) > style.MANY_MARKS,
+        )  # fmt: skip
+    resting, ends = reached == "equilibrium", [f"{name}_max" for name in names]
+    if {*ends} <= {*part} and resting.any():
+        x, y = (part[end].values[resting] for end in ends)
+        ax.scatter(
+            x, y, STAR, color=style.BLACK, marker="*", ec="white", lw=0.4, zorder=3.5,
+            label="where they rest",
         )  # fmt: skip
 
 
