@@ -81,6 +81,11 @@ CASES = {
     "boundary": BELT.replace("v = [0.5, 1.0, 1.5]\n", "")
     + '[[analysis]]\nkind = "boundary"\nparameter = "v"\nbracket = [0.1, 3.0]\n'
     + 'scan = 3\nwidth = 0.5\nof = { variable = "attractor", expect = "periodic" }\nt_max = 40.0\n',
+    "cycles": BELT
+    + '[[analysis]]\nkind = "response"\nt_max = 60.0\n[[analysis]]\nkind = "cycle"\n'
+    + '[[figure]]\nkind = "bifurcation"\nx = "v"\nselect = { mu_k = 0.3 }\n',
+    "branch": BELT.replace("v = [0.5, 1.0, 1.5]\n", "")
+    + '[[analysis]]\nkind = "cycle"\nparameter = "v"\nbracket = [0.5, 1.5]\nwidth = 1e-2\n',
 }
 
 
@@ -184,7 +189,8 @@ def edit_attribute(file: h5py.File, rng: random.Random) -> None:
 def edit_known_attribute(file: h5py.File, rng: random.Random) -> None:
     """One that something is read from."""
     names = ("case", "title", "reference", "figures_json", "analyses_json", "overrides", "law",
-             "refined_of", "points_run", "sample_size", "fingerprint")  # fmt: skip
+             "parameters_json", "starts_json", "solver_json", "options_json", "refined_of",
+             "points_run", "sample_size", "fingerprint")  # fmt: skip
     file.attrs[rng.choice(names)] = attribute_value(rng)
 
 
@@ -332,6 +338,9 @@ def attacks_on_datasets(rng: random.Random) -> Iterator[tuple[str, list[str], se
     yield how, ["diff", *rng.sample(["bad.nc", str(whole)], 2)], right
     drawn = [] if rng.random() < 0.7 else ["--figure", rng.choice(KINDS)]
     yield how, ["plot", "bad.nc", *drawn], right
+    if name in ("response", "branch"):
+        other = f"whole-{'branch' if name == 'response' else 'response'}.nc"
+        yield how, ["plot", "bad.nc", other, "--figure", "bifurcation"], right
     place = Path(f"runs/{name}.nc")
     shutil.copyfile(bad, place)
     yield how, ["claims", f"{name}.toml", "--strict"], right

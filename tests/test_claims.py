@@ -622,7 +622,8 @@ def store(classes, case="stick.toml", overrides=()):
     from fiv_cli.case.load import load_case
 
     loaded = load_case(case, overrides)
-    analyses = json.dumps({spec.name: {} for spec in loaded.analyses})
+    told = {"kind": "response", "settings": {}}
+    analyses = json.dumps({spec.name: told for spec in loaded.analyses})
     found = {"fingerprint": fingerprint(loaded), "analyses_json": analyses}
     dataset = sweep(classes).assign_attrs(found)
     dataset.to_netcdf(default_output(loaded))

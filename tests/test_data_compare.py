@@ -141,10 +141,11 @@ def test_the_worst_offender_is_shown() -> None:
 
 @pytest.mark.parametrize(("kind", "told"), [("random", True), ("state", False)])
 def test_random_starts_that_are_others_are_told(kind: str, told: bool) -> None:
-    case = f'[[initial]]\nlabel = "far"\nkind = "{kind}"\n'
+    starts = json.dumps({"far": kind})
     labels = {"initial": ["far-000", "far-001"], "state": ["x"]}
     places = xr.DataArray([[[0.1], [0.2]]] * 2, dims=("mu_k", "initial", "state"))
-    one = dataset().assign(initial_state=places).assign_coords(labels).assign_attrs(case=case)
+    one = dataset().assign(initial_state=places).assign_coords(labels)
+    one = one.assign_attrs(starts_json=starts)
     assert differences(one, left=one) == []
     found = differences(one.assign(initial_state=places + 0.3), left=one)
     assert [one.what for one in found] == ["initial"] * told + ["initial_state"]

@@ -1084,10 +1084,10 @@ def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
 @pytest.mark.parametrize(("kind", "bars"), [("random", 2), ("table", 0)])
 def test_a_curve_of_shares_of_random_starts_has_their_standard_error(kind, bars):
     """At two speeds; a table of starts is no sample."""
-    case = f'[[initial]]\nlabel = "any"\nkind = "{kind}"\n'
+    starts = json.dumps({"any": kind})
     over = {"what": "share", "of": "periodic", "over": ["initial"]}
     settings = {"x": "Omega", "variable": "attractor", "take": over}
-    (ax,) = draw(data.basin().assign_attrs(case=case), figure("curve", **settings)).axes
+    (ax,) = draw(data.basin().assign_attrs(starts_json=starts), figure("curve", **settings)).axes
     share = ax.lines[0].get_ydata()
     drawn = [bar[:, 1] for bars_ in ax.collections for bar in bars_.get_segments()]
     assert len(drawn) == bars == 2 * ax.get_ylabel().count(" ± standard error")
@@ -1097,8 +1097,8 @@ def test_a_curve_of_shares_of_random_starts_has_their_standard_error(kind, bars)
 
 @pytest.mark.parametrize(("kind", "told"), [("random", 1), ("table", 0)])
 def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind, told):
-    case = f'[[initial]]\nlabel = "any"\nkind = "{kind}"\n'
-    dataset = data.basin(speeds=(1.0, 2.0, 9.0)).assign_attrs(case=case)
+    starts = json.dumps({"any": kind})
+    dataset = data.basin(speeds=(1.0, 2.0, 9.0)).assign_attrs(starts_json=starts)
     printed = [line for line in summary_lines(summarise({"": dataset})) if "shares" in line]
     assert len(printed) == told
     if told:

@@ -73,6 +73,26 @@ DAMAGES = {
     "figures that are none": (lambda f: f.attrs.create("figures_json", "[{}]"), "figures_json"),
     "a title of numbers": (lambda f: f.attrs.create("title", np.arange(3)), "title is no text"),
     "analyses that are none": (lambda f: f.attrs.create("analyses_json", "3"), "analyses_json"),
+    "an analysis without a kind": (
+        lambda f: f.attrs.create("analyses_json", '{"a": {"settings": {}}}'),
+        "analyses_json",
+    ),
+    "a section of lists": (
+        lambda f: f.attrs.create(
+            "analyses_json", '{"a": {"kind": "response", "settings": {"section": {"event": []}}}}'
+        ),
+        "analyses_json",
+    ),
+    "starts that are none": (lambda f: f.attrs.create("starts_json", "[1]"), "starts_json"),
+    "parameters of numbers": (
+        lambda f: f.attrs.create("parameters_json", np.arange(3)),
+        "parameters_json",
+    ),
+    "a tolerance of words": (
+        lambda f: f.attrs.create("solver_json", '{"rtol": "small"}'),
+        "rtol is no number",
+    ),
+    "files of no text": (lambda f: f.attrs.create("own_json", '{"a.py": {}}'), "own_json holds"),
     "no status": (lambda f: f.__delitem__("status"), "holds no case"),
     "no case": (lambda f: f.attrs.__delitem__("case"), "holds no case"),
 }
@@ -92,6 +112,23 @@ def test_what_is_wrong_is_said_by_every_command(
         assert "bad.nc" in said
         assert told in said
         assert said.splitlines()[-1].startswith(("next: ", "write a dataset with: "))
+
+
+@pytest.mark.parametrize(
+    ("name", "code"), [("starts_json", 0), ("analyses_json", 0), ("fingerprint", 6)]
+)
+def test_a_run_makes_a_damaged_dataset_of_its_own_again(
+    dataset: Path, name: str, code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One that does not say any more of which case it is, it leaves alone."""
+    Path("response.toml").write_text(attacks.CASES["response"])
+    with h5py.File(dataset, "r+") as file:
+        file.attrs[name] = np.arange(3)
+    assert fiv(["run", "response.toml", "-o", "bad.nc", "-q"]) == code
+    if code:
+        assert "holds the dataset of another case" in capsys.readouterr().err
+    else:
+        assert fiv(["show", "bad.nc"]) == 0
 
 
 def no_contact(file: h5py.File) -> None:

@@ -94,9 +94,18 @@ def is_of(attributes: Mapping[str, Any], case: Case) -> bool:
     """
     if MOTION in attributes:
         return False
-    stored = named_in(json.loads(attributes.get("analyses_json", "{}")), case)
-    starts = json.loads(attributes.get("starts_json", "null"))
-    return attributes.get("fingerprint") == fingerprint(case, stored, starts)
+    stored = named_in(_object(attributes, "analyses_json"), case)
+    starts = _object(attributes, "starts_json")
+    return str(attributes.get("fingerprint")) == fingerprint(case, stored, starts)
+
+
+def _object(attributes: Mapping[str, Any], name: str) -> dict[str, Any] | None:
+    """What an attribute tells as JSON; None where it is not there, or damaged."""
+    try:
+        found = json.loads(str(attributes.get(name)))
+    except (ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
 
 
 def differences(stored: Mapping[str, Any], case: Case) -> list[str]:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 TEXTS = ("case", "title", "reference", "fingerprint", "source", "model", "law", "overrides")
 WORDS = ("units", "long_name", "symbol", "comment", "flag_meanings", "sample_dimension", "along")
+OBJECTS = ("parameters", "options", "starts", "schedule", "solver", "own", "packages")
 COUNTS = ("refined_levels", "points_run", "points_filled_in", "sample_size", "sample_mislabelled")
 
 # What a class or a count must have among its names for the rest to make sense.
@@ -74,6 +75,7 @@ def _of_attributes(attributes: Mapping[str, Any]) -> Iterator[str]:
     for name in TEXTS:
         if not isinstance(attributes.get(name, ""), str):
             yield f"the attribute {name} is no text"
+    yield from _of_objects(attributes)
     if "analyses_json" in attributes:
         yield from _of_analyses(attributes["analyses_json"])
     if "figures_json" in attributes:
@@ -82,10 +84,42 @@ def _of_attributes(attributes: Mapping[str, Any]) -> Iterator[str]:
         yield from _of_refinement(attributes)
 
 
+def _of_objects(attributes: Mapping[str, Any]) -> Iterator[str]:
+    objects = {name: _parsed(attributes.get(f"{name}_json", "{}")) for name in OBJECTS}
+    for name, held in objects.items():
+        if not isinstance(held, dict):
+            yield f"{name}_json is no table"
+            return
+    if not isinstance(objects["solver"].get("rtol", 0.0), float):
+        yield "solver_json: its rtol is no number"
+    if not all(map(_is_file, objects["own"].values())):
+        yield "own_json holds something else than files"
+
+
+def _is_file(file: object) -> bool:
+    """Whether it is a file of one's own: its text, and the names of what it holds."""
+    if not isinstance(file, dict) or not isinstance(file.get("text"), str):
+        return False
+    names = file.get("holds")
+    return isinstance(names, list) and all(isinstance(name, str) for name in names)
+
+
 def _of_analyses(text: object) -> Iterator[str]:
     tables = _parsed(text)
-    if not isinstance(tables, dict) or not all(isinstance(one, dict) for one in tables.values()):
+    if not isinstance(tables, dict) or not all(map(_is_analysis, tables.values())):
         yield "analyses_json names no analyses"
+
+
+def _is_analysis(table: object) -> bool:
+    """Whether it has a kind and settings, and a section among them its words and numbers."""
+    if not isinstance(table, dict) or not isinstance(table.get("kind"), str):
+        return False
+    settings = table.get("settings")
+    section = settings.get("section") if isinstance(settings, dict) else 0
+    return section is None or (
+        isinstance(section, dict)
+        and all(isinstance(v, str | int | float) for v in section.values())
+    )
 
 
 def _of_figures(text: object) -> Iterator[str]:

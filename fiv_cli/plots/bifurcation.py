@@ -288,7 +288,7 @@ def _sections(dataset: xr.Dataset, kind: str) -> set[tuple[object, ...]]:
     asked = [one["settings"]["section"] for one in _analyses(dataset) if one["kind"] == kind]
     return {
         (section["event"].replace("->", "_to_"), section["contact"])
-        if section["kind"] == "event"
+        if section.get("kind") == "event"
         else tuple(section.values())
         for section in asked
     }

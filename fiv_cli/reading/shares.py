@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping
+import json
+from collections.abc import Container, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.case.overrides import apply_overrides, parse_override
-from fiv_cli.case.toml import parse_toml
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading.datasets import flag_names, is_class
@@ -52,14 +51,10 @@ def with_standard_error(
     return shares.assign({ERROR: (share * (1.0 - share) / size) ** 0.5})
 
 
-def drawn_of(dataset: xr.Dataset) -> Iterator[str]:
-    """Labels of the random starts of the case of a dataset."""
-    case = parse_toml(str(dataset.attrs.get("case", "")))
-    overrides = map(parse_override, str(dataset.attrs.get("overrides", "")).splitlines())
-    changed, *_ = apply_overrides(case, [*overrides])
-    for start in changed.get("initial", ()):
-        if start["kind"] == "random":
-            yield start.get("label", "random")
+def drawn_of(dataset: xr.Dataset) -> list[str]:
+    """Labels of the random starts of the case of a dataset; 0.1.0 did not tell them."""
+    kinds = json.loads(dataset.attrs.get("starts_json", "{}"))
+    return [label for label, kind in kinds.items() if kind == "random"]
 
 
 def _of_classes(reached: xr.DataArray) -> dict[str, dict[str, Share]]:

@@ -164,7 +164,8 @@ def write_motion(
     if stored and MOTION not in stored:
         raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
     if stored:
-        other = "" if stored["fingerprint"] == identity else " (another case, or this one before)"
+        same = str(stored["fingerprint"]) == identity
+        other = "" if same else " (another case, or this one before)"
         announce(f"{path}: the motion at {stored[MOTION]}{other} that it holds is replaced")
     dataset, outcome = run_motion(point, settings, announce, steady=steady)
     attributes = provenance(point.case, identity)
