@@ -285,12 +285,13 @@ def _sections(dataset: xr.Dataset, kind: str) -> set[tuple[object, ...]]:
         contacts = numbers(dataset["section_contact"]).values.ravel()
         chosen = set(zip(kinds.tolist(), np.nan_to_num(contacts).tolist(), strict=True))
         return {one for one in chosen if one[0] != SECTION.fill}
-    asked = [one["settings"]["section"] for one in _analyses(dataset) if one["kind"] == kind]
+    asked = [one["settings"].get("section") for one in _analyses(dataset) if one["kind"] == kind]
     return {
         (section["event"].replace("->", "_to_"), section["contact"])
         if section.get("kind") == "event"
         else tuple(section.values())
         for section in asked
+        if section
     }
 
 
