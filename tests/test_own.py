@@ -111,10 +111,18 @@ def test_a_law_in_a_file_of_its_own_is_told_to_be_named_too(monkeypatch, capsys)
     text = Path("my.py").read_text().replace('default_law="coulomb"', 'default_law="hill"')
     Path("my.py").write_text(text)
     Path("hill.py").write_text(law_template("hill"))
-    monkeypatch.setenv("FIV_WITH", "hill.py")
     assert run(["models", "my-belt", "--with", "my.py"]) == 3
-    assert "named with a further --with FILE.py (FIV_WITH counts" in capsys.readouterr().err
+    assert "named with a further --with FILE.py" in capsys.readouterr().err
     assert run(["models", "my-belt", "--with", "my.py", "--with", "hill.py"]) == 0
+    monkeypatch.setenv("FIV_WITH", "hill.py")
+    assert run(["models", "my-belt", "--with", "my.py"]) == 0
+
+
+def test_a_name_that_a_file_of_the_environment_has_too_tells_that_it_counts(monkeypatch, capsys):
+    Path("old.py").write_text(MODEL)
+    monkeypatch.setenv("FIV_WITH", "old.py")
+    assert run(["models", "my-belt", "--with", "my.py"]) == 3
+    assert "name one of the two files; FIV_WITH counts too" in capsys.readouterr().err
 
 
 def test_workers_load_the_text_that_was_read_not_the_file():

@@ -45,11 +45,16 @@ def named_files() -> bool:
 
 
 def _use(context: click.Context, option: click.Parameter, paths: Sequence[Path]) -> None:
-    """Have the models and laws of files at hand for this command; heavy only where there are."""
-    if paths:
+    """Have the models and laws of files at hand for this command; heavy only where there are.
+
+    Files of the environment are there beside those of the command line: what is advised for a
+    command, one more ``--with``, never takes away what its model needed.
+    """
+    always = map(Path, option.value_from_envvar(context) or ())
+    if files := (*always, *paths):
         from fiv_cli.own.probe import use_files
 
-        use_files(paths)
+        use_files(files)
         context.meta[_NAMED] = True
         context.call_on_close(lambda: use_files(()))
 
@@ -63,8 +68,8 @@ with_option: Callable[[F], F] = click.option(
     envvar="FIV_WITH",
     expose_value=False,
     callback=_use,
-    help="Models and laws of your own: a file, or a folder of them. Repeatable; where it is given, "
-    "FIV_WITH=FILE.py does not count.",
+    help="Models and laws of your own: a file, or a folder of them. Repeatable, beside those of "
+    "FIV_WITH=ONE.py:TWO.py.",
 )
 
 output_option: Callable[[F], F] = click.option(

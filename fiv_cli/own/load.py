@@ -113,7 +113,8 @@ def _refuse_taken_names(origin: Origin) -> None:
             home = "comes with fiv" if other.origin is None else f"stands in {other.origin.path}"
             line = lines.of(type(thing).__name__, thing.name, "name")
             said = f"the name {thing.name!r} is taken: what is called so {home}"
-            problems.append(Problem("name", said, "a name of its own", line=line))
+            hint = "" if other.origin is None else "name one of the two files; FIV_WITH counts too"
+            problems.append(Problem("name", said, "a name of its own", hint, line))
     if problems:
         raise ModelFileError(origin.path, problems)
 

@@ -91,10 +91,7 @@ def tables_of_model(model: Model) -> Iterator[Fault]:
     yield from _law_of(model)
 
 
-_ELSEWHERE = (
-    "one in a file of its own is named with a further --with FILE.py (FIV_WITH counts only where "
-    "there is no --with)"
-)
+_ELSEWHERE = "one in a file of its own is named with a further --with FILE.py"
 
 
 def _law_of(model: Model) -> Iterator[Fault]:
