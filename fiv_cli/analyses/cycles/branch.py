@@ -14,7 +14,7 @@ end.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -45,6 +45,7 @@ from fiv_cli.dynamics.system import Vector
 from fiv_cli.flags import CYCLE_END
 
 FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-10  # lengths of a step along the branch
+ORDINARY = 1e-3  # a step as long as this is not about to meet an end
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
 ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen ...
@@ -53,12 +54,16 @@ STRAIGHT = 0.005  # share of it by which a cycle of another branch lies off at l
 OFF = 1e-5  # ... and distance
 MIRRORED = 0.25  # share of its bend by which an arc may fail to be its own mirror image
 REACH = 7.0  # steps: a cycle that seems to lie further off is not looked for
-DIFFERENCE = 1e-7  # of the parameter, over the bracket, for the derivative by it
+DIFFERENCES = tuple(10.0**-e for e in range(7, 13))  # of the parameter, over the bracket ...
+ALIKE = 1e-2  # ... the first for which the rates to both sides differ by no more than this share
 JUMPED = 10.0  # of the change to one side of the parameter: one so much greater is a jump
 MOST_POINTS = 800
 TRIES = 5  # steps tried, per point allowed
 BISECTIONS = 200
+FURTHER = 8.0  # an end is looked for so many times as closely as asked, to see if it moves ...
+TRIES_FURTHER = 16  # ... in so many steps
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
+UNBOUND = 1e3  # a multiplier beyond grows without bound, as one does towards a grazing
 ASIDE = 0.05  # share of the way to a change by which a step ends beside where it is foreseen
 HALVINGS = 40  # of a stretch in which a jump is looked for
 APART = 1e-3  # share of its extent by which a motion over a period jumps at least
@@ -174,8 +179,8 @@ class End:
     kind : see the constants of this module
     direction : 1 where the parameter was rising along the branch, else -1
     goes_on : whether the branch was followed beyond
-    last, length : the last point before it, and the step from there within which it lies; None
-        where it was not bracketed so
+    last : the last point before it; None where it was not bracketed
+    well_before : the last before it from which the branch went on in steps of ordinary length
     beyond : the first point after it; None where there is none
     """
 
@@ -185,7 +190,7 @@ class End:
     direction: int
     goes_on: bool
     last: Point | None = None
-    length: float = 0.0
+    well_before: Point | None = None
     beyond: Point | None = None
 
 
@@ -210,26 +215,48 @@ def _jacobian(
 ) -> Matrix | None:
     """Derivative of the closing conditions by `own` and by the parameter over the bracket's extent.
 
-    The last by central differences, where multipliers are large nothing less will do; to one side
-    where the other side's events are others, or its motion jumps; None where there is neither.
+    None where motions on both sides of the parameter have other events.
     """
-    sides: list[tuple[float, Vector]] = []
-    for shift in (-DIFFERENCE * line.span, DIFFERENCE * line.span):
-        there = line.holding(value + shift)
-        beside = None if there is None else frame.around(there, own, tangents=False)
-        if beside is not None and beside.events == here.events:
-            sides.append((shift, frame.values(beside, own)))
-    if not sides:
+    values, rates = frame.values(here, own), []
+    for shift in DIFFERENCES:
+        rates = list(_rates(line, frame, own, value, here.events, values, shift * line.span))
+        if len(rates) == 2 and _are_alike(*rates):
+            break
+    if not rates:
         return None
-    along = _rate(sides, frame.values(here, own)) * line.span
-    return np.column_stack([frame.jacobian(here), along])
+    return np.column_stack([frame.jacobian(here), _rate(rates) * line.span])
 
 
-def _rate(sides: Sequence[tuple[float, Vector]], values: Vector) -> Vector:
-    """Rate of change of `values`, from what they are a little to one side or both."""
-    rates = sorted(((there - values) / shift for shift, there in sides), key=np.linalg.norm)
-    jumps = np.linalg.norm(rates[-1]) > JUMPED * np.linalg.norm(rates[0])
-    return rates[0] if jumps else np.mean(rates, axis=0)
+def _rates(
+    line: Continuation,
+    frame: Shooting,
+    own: Vector,
+    value: float,
+    events: object,
+    values: Vector,
+    shift: float,
+) -> Iterator[Vector]:
+    """Rate of change of the conditions by the parameter, to each side that has the same events."""
+    for there in (value - shift, value + shift):
+        problem = line.holding(there)
+        beside = None if problem is None else frame.around(problem, own, tangents=False)
+        if beside is not None and beside.events == events:
+            yield (frame.values(beside, own) - values) / (there - value)
+
+
+def _are_alike(one: Vector, other: Vector) -> bool:
+    """Whether rates to both sides differ by so little that their mean is right to its square.
+
+    Beside a grazing they do not: there the conditions bend within ever shorter stretches.
+    """
+    return bool(np.linalg.norm(one - other) <= ALIKE * np.linalg.norm(one + other))
+
+
+def _rate(rates: Sequence[Vector]) -> Vector:
+    """The rate from those to one side or both; where one side jumps, that of the other."""
+    least, most = min(rates, key=np.linalg.norm), max(rates, key=np.linalg.norm)
+    jumps = np.linalg.norm(most) > JUMPED * np.linalg.norm(least)
+    return least if jumps else np.mean(rates, axis=0)
 
 
 def _across(inverse: Matrix, tangent: Vector, row: Vector) -> Matrix:
@@ -406,7 +433,7 @@ def follow(
     most : points after which it is given up (an end of kind "budget")
     round_corners : whether a branch of other cycles that begins at an end is gone on with
     """
-    walk = _Walk(first, round_corners)
+    walk = _Walk(first, first, round_corners)
     if first.value == line.bracket[way_of(first) > 0]:
         return [], [End(first.value, 0.0, AT_EDGE, way_of(first), False)]
     for _ in range(TRIES * most):
@@ -432,6 +459,7 @@ class _Walk:
     Attributes
     ----------
     here : the last point
+    well : the last from which the branch went on in steps of ordinary length
     round_corners : whether other branches are gone on with
     length : of the next step
     in_a_row : steps that went well since one that did not
@@ -440,6 +468,7 @@ class _Walk:
     """
 
     here: Point
+    well: Point
     round_corners: bool
     length: float = FIRST
     in_a_row: int = PATIENCE
@@ -458,7 +487,8 @@ def stable_until(first: Point, ends: Sequence[End]) -> End | None:
 def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End | None:
     """Go to the next point, or to the first after a change before it; the end reached there."""
     walk.in_a_row += 1
-    if there.character != walk.here.character:
+    changes = there.character != walk.here.character
+    if changes:
         end, there, walk.length = _first_change(line, walk, there)
         walk.in_a_row = 0
         if end is not None:
@@ -467,6 +497,8 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
             return _turn(line, walk) if is_close(line, there, walk.length) else None
     if walk.in_a_row >= PATIENCE:
         walk.length = min(LONGER * walk.length, LONGEST)
+    if changes or walk.length >= ORDINARY:
+        walk.well = there
     walk.here = there
     walk.points.append(there)
     return _known_end(line, first, walk.points)
@@ -474,7 +506,7 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
 
 def _turn(line: Continuation, walk: _Walk) -> End | None:
     """Go on with the branch that begins where this one ends; the end where there is none."""
-    end = _last_end(line, walk.here, walk.length)
+    end = _last_end(line, walk)
     told_before = _told_before(line, walk.ends, end)
     if told_before is not None:
         return _one_corner(walk, told_before, end)
@@ -485,7 +517,7 @@ def _turn(line: Continuation, walk: _Walk) -> End | None:
         return end
     walk.ends.append(replace(end, goes_on=True, beyond=there))
     walk.to_corner = len(walk.points)
-    walk.here, walk.length, walk.in_a_row = there, FIRST, 0
+    walk.here, walk.well, walk.length, walk.in_a_row = there, there, FIRST, 0
     walk.points.append(there)
     return None
 
@@ -511,6 +543,7 @@ def _one_corner(walk: _Walk, corner: End, again: End) -> End:
         width=again.width + abs(again.value - corner.value),
         goes_on=False,
         last=None,
+        well_before=None,
         beyond=None,
     )
 
@@ -560,6 +593,11 @@ def reach_of(line: Continuation, here: Point, length: float) -> float:
     return length * abs(here.slope) * line.span
 
 
+def middle_of(line: Continuation, here: Point, length: float) -> float:
+    """The parameter half a stretch of the branch further on."""
+    return here.value + 0.5 * way_of(here) * reach_of(line, here, length)
+
+
 def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | None, Point, float]:
     """The first change of character on the way to a point, the point after it, the next step.
 
@@ -585,13 +623,10 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
     found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
     if not found:
         return None, here, length
-    reach = reach_of(line, here, length)
-    value, kind = here.value + 0.5 * way_of(here) * reach, _kind_of_change(here, there)
-    return (
-        End(value, 0.5 * reach, kind, way_of(here), True, here, length, there),
-        there,
-        max(length, FIRST * SHRUNK),
-    )
+    width, kind = 0.5 * reach_of(line, here, length), _kind_of_change(here, there)
+    value = middle_of(line, here, length)
+    end = End(value, width, kind, way_of(here), True, here, walk.well, there)
+    return end, there, max(length, FIRST * SHRUNK)
 
 
 def _aim(here: Point, there: Point, away: float, beyond: bool) -> float:
@@ -630,12 +665,29 @@ def _kind_of_change(here: Point, there: Point) -> str:
 
 
 # --- the end of a branch -------------------------------------------------------------------------
-def _last_end(line: Continuation, here: Point, length: float) -> End:
-    """What ends the branch between a cycle and the failure `length` after it."""
-    kind = _kind_of_end(line, here)
-    reach = reach_of(line, here, length)
-    value = here.value + 0.5 * way_of(here) * reach
-    return End(value, 0.5 * reach, kind, way_of(here), False, here, length)
+def _last_end(line: Continuation, walk: _Walk) -> End:
+    """What ends the branch between its last cycle and the step from there that fails.
+
+    A step fails too where the cycle foreseen lies beyond a grazing that the branch runs along, and
+    would meet later: by as much as closer steps move the end, it may be off.
+    """
+    here, length = closer(line, walk.here, walk.length)
+    value = middle_of(line, here, length)
+    moved = abs(value - middle_of(line, walk.here, walk.length))
+    width = 0.5 * reach_of(line, here, length) + moved
+    return End(value, width, _kind_of_end(line, here), way_of(here), False, here, walk.well)
+
+
+def closer(line: Continuation, here: Point, length: float) -> tuple[Point, float]:
+    """The last point before an end, and the step from there that fails, of shorter steps."""
+    shortest = length / FURTHER
+    for _ in range(TRIES_FURTHER):
+        there = step(line, here, 0.5 * length)
+        if there is not None and there.character == here.character:
+            here = there
+        elif (length := 0.5 * length) <= shortest:
+            break
+    return here, length
 
 
 def _kind_of_end(line: Continuation, here: Point) -> str:
@@ -653,6 +705,8 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
             return GRAZING
         if _jumps(line, here, unknowns):
             return GRAZING
+    if here.cycle.largest > UNBOUND:
+        return GRAZING
     return FOLD if abs(here.slope) < UPRIGHT else OTHER
 
 

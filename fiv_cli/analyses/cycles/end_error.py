@@ -9,47 +9,62 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from fiv_cli.analyses.cycles.branch import Continuation, End, Point, is_close, reach_of, step
-from fiv_cli.analyses.cycles.branch import way_of as way
+import numpy as np
+
+from fiv_cli.analyses.cycles.branch import (
+    FIRST,
+    UNBOUND,
+    Continuation,
+    End,
+    Point,
+    closer,
+    is_close,
+    middle_of,
+    step,
+)
 
 LOOSER = 10.0  # growth of the error of integration
-BACK = (1e-4, 1e-2)  # stretches of the branch, to both sides, in which it is looked for
+STEPS = 100  # in which it is found again
 
 
 def end_error(line: Continuation, end: End) -> float:
     """Distance within which a change or an end lies; NaN where it is not found again."""
-    if end.last is None:  # an edge of the bracket, a first cycle, a cycle that shrinks to rest
+    if end.last is None or end.well_before is None:  # an edge, a first cycle, a shrinking one
         return end.width
     solver = line.problem.solver.with_error(LOOSER)
     looser = replace(line, problem=replace(line.problem, solver=solver))
-    for back in BACK:
-        again = _found_again(looser, end.last, max(back, end.length))
-        if again is not None:
-            return end.width + abs(again - end.value)
-    return float("nan")
+    again = _found_again(looser, end.well_before)
+    if again is None:
+        return float("nan")
+    apart = end.width + abs(again - end.value)
+    return float(np.maximum(apart, _to_grazing(end.well_before, end.last)))
 
 
-def _found_again(line: Continuation, last: Point, back: float) -> float | None:
-    """Where the branch changes within `back` of a point; None where it does not."""
-    behind = step(line, _turned(last), back)
-    here = None if behind is None else _turned(behind)
-    away = 2.0 * back
-    if here is None or here.character != last.character or _goes_on(line, here, away):
-        return None
-    while not is_close(line, here, away):
-        away *= 0.5
-        here = _goes_on(line, here, away) or here
-        if here.value in line.bracket:
-            return None
-    return here.value + 0.5 * way(here) * reach_of(line, here, away)
+def _found_again(line: Continuation, here: Point) -> float | None:
+    """Where the branch first changes after a point; None where it does not."""
+    length = FIRST
+    for _ in range(STEPS):
+        there = step(line, here, length)
+        if there is not None and there.character == here.character:
+            here = there
+            if here.value in line.bracket:
+                return None
+        elif is_close(line, here, length):
+            return middle_of(line, *closer(line, here, length))
+        else:
+            length *= 0.5
+    return None
 
 
-def _goes_on(line: Continuation, here: Point, length: float) -> Point | None:
-    """The point `length` further on; None where the branch changes before."""
-    there = step(line, here, length)
-    return there if there is not None and there.character == here.character else None
+def _to_grazing(well: Point, here: Point) -> float:
+    """Change of the parameter to where the multiplier has grown without bound, if it is about to.
 
-
-def _turned(point: Point) -> Point:
-    """The same point, about to go the other way."""
-    return replace(point, tangent=-point.tangent)
+    Towards a grazing it goes as the inverse of that change (Nordmark 1991), and from some size on
+    no cycle is closed any more that is there. NaN where it was not seen to grow.
+    """
+    if here.cycle.largest < UNBOUND:
+        return 0.0
+    before, after = 1.0 / well.cycle.largest, 1.0 / here.cycle.largest
+    if after >= before:
+        return float("nan")
+    return abs(here.value - well.value) * after / (before - after)
