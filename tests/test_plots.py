@@ -1260,6 +1260,8 @@ def sawtooth(sample):
             (ways[piece] + speeds[piece] * since + 0.5 * pushes[piece] * since**2)[None],
         ),
         phi_dot=(("initial", "time"), (speeds[piece] + pushes[piece] * since)[None]),
+        theta=(("initial", "time"), 0.0 * since[None]),
+        theta_dot=(("initial", "time"), 0.0 * since[None]),
         F_T=(("initial", "time"), pushes[piece][None], {"units": "N"}),
         contact_state=data.flags(("initial", "time"), states, data.CONTACT_STATES),
         **data.ledger(time, states),

@@ -16,6 +16,8 @@ from fiv_cli.cli.common import (
 )
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from fiv_cli.analyses.base import Outcome
     from fiv_cli.case.case import Case
 
@@ -95,21 +97,24 @@ def _default_output(case: Case, place: dict[str, Any]) -> Path:
 
 
 def _report(outcome: Outcome, path: Path, case: Case) -> int:
+    from fiv_cli.reading import sampling
+    from fiv_cli.reading.datasets import read_analyses
+
     click.echo(path)
     if outcome.status == "ok":
-        click.echo(_end(path, case), err=True)
+        (motion,) = read_analyses(path).values()
+        said = [_end(motion, case), sampling.remark(motion.squeeze())]
+        click.echo("\n".join(filter(None, said)), err=True)
         return 0
     click.echo(f"{outcome.status}: {outcome.reason}\n{outcome.message}".rstrip(), err=True)
     return FAILED
 
 
-def _end(path: Path, case: Case) -> str:
+def _end(motion: xr.Dataset, case: Case) -> str:
     """The state in which a motion ended, as ``[[initial]]`` of kind "state" takes it."""
     from fiv_cli.case.physics import state_units
     from fiv_cli.models import get_model
-    from fiv_cli.reading.datasets import read_analyses
 
-    (motion,) = read_analyses(path).values()
     last, names = motion.isel(time=-1), state_units(get_model(case.model), case.options)
     state = ", ".join(f"{name} = {last[name].item()!r}" for name in names if name in motion)
     return f"at t = {last['time'].item():.12g} s: state = {{ {state} }}"

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from matplotlib.patches import Patch
 
 from fiv_cli.plots import labels, motion, points, style
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 suits = motion.suits
 OTHER_STICKS: dict[str, Any] = {"fill": False, "hatch": "//", "ec": style.GREY, "lw": 0.0}
 SHADE = 0.35
+COLUMNS = 600  # short times over which the range of many samples is drawn ...
+FEWEST_IN_COLUMN = 8  # ... where there are as many
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
@@ -37,33 +42,59 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others = [
         Patch(label=words, **OTHER_STICKS) for words in motion.others_sticking(motions, settings)
     ]
-    _legend(figure, axes, motion.states_present(motions, settings), others, contact)
+    what = "range of samples" if all(map(_is_dense, motions)) else "samples"
+    told = [*others, *motion.sampled(motions, names, what)]
+    _legend(figure, axes, motion.states_present(motions, settings), told, contact)
     return figure
 
 
 def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -> None:
-    many = one.time.size > style.MANY_MARKS
     for state, begin, end in motion.contact_spans(one, settings):
         ax.axvspan(begin, end, color=style.CLASSES[state], alpha=SHADE, lw=0)
     for _, begin, end in motion.other_sticks(one, settings):
         ax.axvspan(begin, end, **OTHER_STICKS)
-    values = motion.of_contact(one.data[name], settings)
+    values, many = motion.of_contact(one.data[name], settings), one.time.size > style.MANY_MARKS
     if "point" in one.data[name].dims:
-        for curve, label in zip(values, motion.places(one), strict=True):
-            ax.plot(one.drawn_time, one.drawn(name, curve), lw=0.9, rasterized=many, label=label)
+        for curve, label, color in zip(values, motion.places(one), cycle(style.LINES)):
+            _curve(ax, one, name, curve, color=color, label=label, rasterized=many)
     else:
-        shown, told = one.drawn(name, values), points.unlisted(one.label, name)
-        ax.plot(one.drawn_time, shown, color=style.BLACK, lw=0.9, rasterized=many, label=told)
+        told = points.unlisted(one.label, name)
+        _curve(ax, one, name, values, color=style.BLACK, label=told, rasterized=many)
     ax.margins(x=0)
     style.level(ax)
     points.scale(ax, settings)
+
+
+def _curve(ax: Axes, one: motion.Motion, name: str, values: np.ndarray, **look: Any) -> None:
+    """The curve through samples and events; where it would be invented, what the samples tell.
+
+    That is their range over each of many short times, where many of them lie there.
+    """
+    if not one.is_coarse(name):
+        ax.plot(one.drawn_time, one.drawn(name, values), lw=0.9, **look)
+    elif not _is_dense(one):
+        ax.plot(one.time, values, ".", ms=1.5, **look)
+    else:
+        ranges = [(t[t.size // 2], v.min(), v.max()) for t, v in _in_columns(one.time, values)]
+        ax.vlines(*np.transpose(ranges), lw=0.8, capstyle="projecting", **look)
+
+
+def _is_dense(one: motion.Motion) -> bool:
+    return one.time.size >= COLUMNS * FEWEST_IN_COLUMN
+
+
+def _in_columns(time: np.ndarray, values: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    borders = np.linspace(time[0], time[-1], COLUMNS + 1)[1:-1]
+    places = np.searchsorted(time, borders)
+    pieces = zip(np.split(time, places), np.split(values, places), strict=True)
+    return ((t, v) for t, v in pieces if t.size)
 
 
 def _legend(
     figure: Figure,
     axes: Sequence[Axes],
     states: Sequence[str],
-    others: Sequence[Patch],
+    others: Sequence[Artist],
     contact: str,
 ) -> None:
     """What the lines of points are, and the shades."""

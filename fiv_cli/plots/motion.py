@@ -8,10 +8,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import points
-from fiv_cli.reading import select
+from fiv_cli.reading import sampling, select
 from fiv_cli.reading.datasets import flag_names
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class Motion:
 
     Its `events` are those between the first sample and the last.
     A motion is drawn through its events too: each instant stands twice in `drawn_time`, for what is
-    before and what is after it.
+    before and what is after it. What its samples do not follow is drawn as these alone.
     """
 
     label: str
@@ -63,6 +64,10 @@ class Motion:
     def drawn_time(self) -> np.ndarray:
         """The samples and, twice, each instant, s."""
         return np.insert(self.time, *self._pairs(self.instants, self.instants))
+
+    def is_coarse(self, *names: str) -> bool:
+        """Whether a curve through the samples of one of these variables would be invented."""
+        return any(sampling.is_coarse(self.data, name, self.instants) for name in names)
 
     def _pairs(self, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Where both values at each instant come among the samples, and these."""
@@ -155,7 +160,7 @@ def motions(dataset: xr.Dataset, settings: points.Settings) -> list[Motion]:
 def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Motion:
     data = dataset.isel(line.index)
     time = data["time"].values
-    known = np.isfinite(time) & np.isfinite(data[displacements(dataset)[0]].values)
+    known = np.isfinite(time) & np.isfinite(data[sampling.displacements(dataset)[0]].values)
     known &= (begin <= time) & (time <= end)
     kept = time[known]
     ledger = tuple(_events(dataset, line, kept[0], kept[-1])) if kept.size else ()
@@ -177,11 +182,6 @@ def _events(dataset: xr.Dataset, line: points.Line, begin: float, end: float) ->
         yield Event(float(time), int(contact), before[int(from_)], after[int(to)])
 
 
-def displacements(dataset: xr.Dataset) -> list[str]:
-    """The displacement states: those that have a velocity ``NAME_dot`` beside them."""
-    return [str(name) for name in dataset.data_vars if f"{name}_dot" in dataset]
-
-
 def variables(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
     """The variables that the figure names, else every displacement.
 
@@ -189,7 +189,7 @@ def variables(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
     ------
     UsageError : a variable does not exist
     """
-    named = points.variables(settings, displacements(dataset))
+    named = points.variables(settings, sampling.displacements(dataset))
     return [known_variable(dataset, name) for name in named]
 
 
@@ -241,6 +241,13 @@ def contact_spans(motion: Motion, settings: points.Settings) -> Iterator[tuple[s
     for state, begin, end in zip(states, borders[:-1], borders[1:], strict=True):
         if begin < end:
             yield state, begin, end
+
+
+def sampled(every: Sequence[Motion], names: Sequence[str], what: str = "samples") -> list[Line2D]:
+    """Legend entry of variables of which the samples alone are drawn, if there are any."""
+    label = f"{what}, too few for a curve"
+    points = Line2D([], [], color="black", marker=".", ls="none", label=label)
+    return [points] if any(one.is_coarse(*names) for one in every) else []
 
 
 def states_present(every: Sequence[Motion], settings: points.Settings) -> list[str]:

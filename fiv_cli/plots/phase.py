@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,7 +40,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         motion.states_present(motions, settings),
         motion.named_contact(dataset, settings),
     )
-    others = motion.others_sticking(motions, settings)
+    words = motion.others_sticking(motions, settings)
+    others = [Line2D([], [], label=label, **OTHER_STICKS) for label in words]
+    others += motion.sampled(motions, names)
     _legend(figure, present, others, contact, _shows_starts(dataset, settings))
     return figure
 
@@ -59,29 +62,54 @@ def _states(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, str]:
     return motion.known_variable(dataset, x), motion.known_variable(dataset, y)
 
 
+@dataclass(frozen=True)
+class _Path:
+    """A motion in the plane of two states: through samples and events, or, coarse, the samples."""
+
+    time: np.ndarray
+    points: np.ndarray
+    is_coarse: bool
+    is_long: bool
+
+    def between(self, begin: float, end: float) -> np.ndarray:
+        """What of it lies between two instants, smooth where it may be."""
+        first, last = np.searchsorted(self.time, (begin, end))
+        if self.is_coarse:
+            return self.points[first:last]
+        part = slice(first, last + 1)
+        return _smooth(self.time[part], self.points[part])
+
+    def draw(self, ax: Axes, pieces: Sequence[np.ndarray], label: str, **look: Any) -> None:
+        """Pieces of one colour."""
+        if self.is_coarse:
+            x, y, color = *np.concatenate(pieces).T, look["color"]
+            ax.plot(x, y, ".", ms=2.0, color=color, label=label, rasterized=self.is_long)
+        else:
+            ax.add_collection(LineCollection(pieces, label=label, rasterized=self.is_long, **look))
+
+
+def _path(one: motion.Motion, names: tuple[str, str], settings: points.Settings) -> _Path:
+    values = [motion.of_contact(one.data[name], settings) for name in names]
+    is_long = one.time.size > style.MANY_MARKS
+    if one.is_coarse(*names):
+        return _Path(one.time, np.column_stack(values), True, is_long)
+    drawn = [one.drawn(*named) for named in zip(names, values, strict=True)]
+    return _Path(one.drawn_time, np.column_stack(drawn), False, is_long)
+
+
 def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: points.Settings) -> None:
-    x, y = (one.drawn(name, motion.of_contact(one.data[name], settings)) for name in names)
-    path = np.column_stack([x, y])
+    path = _path(one, names, settings)
     stretches: dict[str, list[np.ndarray]] = {}
     for state, begin, end in motion.contact_spans(one, settings):
-        first, last = np.searchsorted(one.drawn_time, (begin, end))
-        part = slice(first, last + 1)
-        stretches.setdefault(state, []).append(_smooth(one.drawn_time[part], path[part]))
-    many = one.time.size > style.MANY_MARKS
+        stretches.setdefault(state, []).append(path.between(begin, end))
     for state, pieces in stretches.items():
-        ax.add_collection(
-            LineCollection(
-                pieces, colors=style.CLASSES[state], lw=1.0, label=points.joined(one.label, state),
-                rasterized=many,
-            )
-        )  # fmt: skip
+        path.draw(ax, pieces, points.joined(one.label, state), color=style.CLASSES[state], lw=1.0)
     for contact, begin, end in motion.other_sticks(one, settings):
-        part = slice(*np.searchsorted(one.drawn_time, (begin, end)) + np.array([0, 1]))
         stick = points.unlisted(one.label, f"contact {contact} sticks")
-        ax.plot(*_smooth(one.drawn_time[part], path[part]).T, **OTHER_STICKS, label=stick)
+        path.draw(ax, [path.between(begin, end)], stick, **OTHER_STICKS)
     if _shows_starts(one.data, settings):
         start = points.unlisted(one.label, "start")
-        ax.plot(x[:1], y[:1], "o", ms=5, mfc="none", color=style.BLACK, label=start)
+        ax.plot(*path.points[0], "o", ms=5, mfc="none", color=style.BLACK, label=start)
     held = float(one.data["static_capacity"]) if "static_capacity" in one.data else np.nan
     if names == ("slip_dot", "F_T") and np.isfinite(held):
         stick = points.unlisted(one.label, "held in stick")
@@ -109,13 +137,13 @@ def _spline(time: np.ndarray, path: np.ndarray) -> np.ndarray:
 
 
 def _legend(
-    figure: Figure, states: Sequence[str], others: Sequence[str], contact: str, with_start: bool
+    figure: Figure, states: Sequence[str], others: Sequence[Line2D], contact: str, with_start: bool
 ) -> None:
     handles = [
         Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state])
         for state in states
     ]
-    handles += [Line2D([], [], label=words, **OTHER_STICKS) for words in others]
+    handles += others
     start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
     handles += [start] * with_start
     style.legend_below(figure, handles, contact)

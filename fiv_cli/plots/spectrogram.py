@@ -16,6 +16,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.fourier import short_time
 from fiv_cli.plots import labels, motion, points, spectrum, style
 from fiv_cli.plots import map as map_
+from fiv_cli.reading import sampling
 from fiv_cli.reading.datasets import numbers
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ def _stored(dataset: xr.Dataset) -> tuple[list[Panel], str]:
 def _of_motions(dataset: xr.Dataset, settings: points.Settings) -> tuple[list[Panel], str]:
     """Spectrograms of the samples of histories."""
     motion.refuse_without(dataset)
-    name = points.one_variable(settings, motion.displacements(dataset)[0])
+    name = points.one_variable(settings, sampling.displacements(dataset)[0])
     motion.known_variable(dataset, name)
     panels = [
         _transformed(one, name, curve, label, settings)

@@ -1,0 +1,83 @@
+"""Curves are drawn through samples that follow a motion, and through no others."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from fiv_cli import api
+from fiv_cli.cli.main import run
+from fiv_cli.reading.sampling import enough, is_coarse
+
+CASE = """schema = 1
+[model]
+name = "belt-1dof"
+parameters = { c = 0.0 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { x = 12.0 }
+[[analysis]]
+kind = "response"
+"""
+
+
+def harmonic(samples_a_period: float, periods: float = 50.3) -> xr.Dataset:
+    time = np.arange(0.0, periods, 1.0 / samples_a_period)
+    angle = 2.0 * np.pi * time
+    motion = {"x": np.sin(angle), "x_dot": 2.0 * np.pi * np.cos(angle)}
+    return xr.Dataset({n: ("time", v) for n, v in motion.items()}, {"time": time})
+
+
+@pytest.mark.parametrize(
+    ("samples", "coarse"), [(46, False), (12, False), (8, False), (4, True), (2.2, True), (1, True)]
+)
+def test_samples_are_too_few_from_a_few_a_period_on(samples: float, coarse: bool) -> None:
+    """Once a period, too, where they all lie at the same value and the speed says otherwise."""
+    motion = harmonic(samples)
+    assert is_coarse(motion) == is_coarse(motion, "x_dot") == coarse
+    if coarse and samples > 1:
+        assert 1 / 60 < enough(motion) < 1 / 20
+
+
+@pytest.fixture
+def drawn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A stick-slip of a period of 7 s, sampled every 5 s, and drawn."""
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(CASE)
+    assert run(["history", "case.toml", "--t-end", "3000", "--sample", "5", "-o", "m.nc"]) == 0
+    assert run(["plot", "m.nc", "--figure", "history", "-o", "h.csv"]) == 0
+    assert run(["plot", "m.nc", "--figure", "phase", "-o", "p.csv"]) == 0
+    return tmp_path
+
+
+def values(path: Path) -> np.ndarray:
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    return np.array([float(row["y"]) for row in rows if row["y"]])
+
+
+def test_what_lies_between_too_few_samples_is_not_invented(drawn: Path, capsys) -> None:
+    """No value is drawn but those of samples: not one above the speed of the belt."""
+    motion = api.read(drawn / "m.nc")
+    for name, file in (("x", "h.csv"), ("x_dot", "p.csv")):
+        assert {*values(drawn / file)} <= {*np.ravel(motion[name])}
+    assert run(["history", "case.toml", "--t-end", "300", "--sample", "5", "-o", "m.nc"]) == 0
+    said = capsys.readouterr().err
+    assert "samples 5 s apart are too few" in said
+    sample = said.partition("--sample ")[2].partition(",")[0]
+    assert run(["history", "case.toml", "--t-end", "300", "--sample", sample, "-o", "m.nc"]) == 0
+    assert "too few" not in capsys.readouterr().err
+
+
+def test_many_samples_too_few_for_a_curve_are_drawn_as_their_range(drawn: Path) -> None:
+    assert run(["history", "case.toml", "--t-end", "30000", "--sample", "5", "-o", "n.nc"]) == 0
+    assert run(["plot", "n.nc", "--figure", "history", "-o", "n.csv"]) == 0
+    ranges = values(drawn / "n.csv").reshape(-1, 2)
+    x = api.read(drawn / "n.nc")["x"].values
+    assert len(ranges) == 600
+    assert (ranges.min(), ranges.max()) == (x.min(), x.max())
+    assert (ranges[:, 0] <= ranges[:, 1]).all()
