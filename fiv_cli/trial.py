@@ -29,6 +29,7 @@ from fiv_cli.models.origin import Origin
 from fiv_cli.own.check import asymmetry, problems_of
 from fiv_cli.own.lines import Lines
 from fiv_cli.own.load import module_of
+from fiv_cli.own.mechanics import fed_by_damping
 from fiv_cli.verify import RTOL, Bench, Check, solve
 
 PERIODS = 5.0  # of the slowest mode, that a motion is followed
@@ -44,8 +45,9 @@ def try_own(announce: Callable[[str], None] = lambda message: None) -> list[Chec
     known: Sequence[Model | Law] = (*all_models().values(), *all_laws().values())
     own = [t for t in known if t.origin is not None and not t.name.startswith(TANH_OF)]
     bench = partial(api.analyse, solver=SolverSettings(rtol=RTOL), announce=announce)
-    for remark in filter(None, (asymmetry(thing) for thing in own if isinstance(thing, Law))):
-        announce(remark)
+    for thing in own:
+        if remark := asymmetry(thing) if isinstance(thing, Law) else fed_by_damping(thing):
+            announce(remark)
     checks = [check for thing in own for check in solve(partial(_trial, thing), bench)]
     for origin in dict.fromkeys(thing.origin for thing in own if thing.origin):
         checks += solve(partial(_of_file, origin), bench)

@@ -128,6 +128,19 @@ def test_a_chaotic_response() -> None:
     assert found.values["lyapunov"] > 0.03
 
 
+def test_more_time_undoes_no_chaos_but_tells_more_of_it() -> None:
+    """However long the window, its tangent stays a number; its rate is told within its error."""
+    found = [
+        respond(model="pin-on-disc", start={"phi_dot": 0.5}, Omega=0.5, t_max=t_max).values
+        for t_max in (600.0, 15_000.0)
+    ]
+    assert [one["attractor"] for one in found] == ["chaotic", "chaotic"]
+    errors = [one["lyapunov_standard_error"] for one in found]
+    assert 0.0 < errors[1] < errors[0] < 0.1
+    apart = abs(found[0]["lyapunov"] - found[1]["lyapunov"])
+    assert apart < 4.0 * np.hypot(*errors)
+
+
 def test_contact_is_lost() -> None:
     found = respond(start={"theta_dot": 150.0}, model="pin-on-disc")
     assert (found.status, found.reason) == ("ok", "contact_lost")

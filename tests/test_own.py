@@ -22,6 +22,7 @@ from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import ascii_name
 from fiv_cli.own import load
 from fiv_cli.own.check import asymmetry, problems_of
+from fiv_cli.own.mechanics import fed_by_damping
 from fiv_cli.own.probe import examine, use_files
 from fiv_cli.own.template import law_template, model_template
 from fiv_cli.reading.changed import changed_since
@@ -215,6 +216,11 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([('"x", p("N"))', '"x", p("N") * symbols.normal_force(0))')], "p(\"N\")",
          "depends on the force"),
         ([("p(\"v\") - x_dot", "x_dot - p(\"v\")")], "Contact(", "drives its slip"),
+        ([("symbols.tangential_force(0) - spring", "-spring")], "accelerations",
+         r"changes no velocity .*\n.*tangential_force\(0\) to the force on the body"),
+        ([('p["fall"] * slip.speed**2)', 'p["fall"] * slip.v)**0.5'),
+          ('"s2 m-2", 1.0', '"s m-1", 2.0')], "force=",
+         "at v = -1 m/s F_T is no number"),
         ([("slip.speed**2)", "slip.speed**2 + slip.states['x'])")], "force=",
          "there is no state 'x'; the law"),
         ([('name="my-belt"', 'name="belt-1dof"')], 'name="belt-1dof"', "comes with fiv"),
@@ -248,7 +254,8 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([("import Contact, ", "import ")], "Contact(", "from fiv_cli.models.base import Contact"),
     ],
     ids=["syntax", "no energy", "no inertia", "energy of a spring", "unit", "not SI",
-         "no unit", "default", "parameter", "own force", "sign", "state of a law", "taken", "law",
+         "no unit", "default", "parameter", "own force", "sign", "no friction",
+         "one side of a law", "state of a law", "taken", "law",
          "companion", "contacts", "load", "default of a law", "number", "comma", "exit", "return",
          "unused", "series", "pull", "base", "frequency", "one way", "capacity",
          "force of no contact", "brackets", "keyword", "numpy", "import"],
@@ -381,6 +388,21 @@ def test_a_law_that_differs_between_both_sides_is_remarked(capsys):
         assert run([*command, "--with", "law.py"]) == 0
         told = "".join(capsys.readouterr())
         assert "at v = -1 m/s |F_T| is 0.444 N, at 1 m/s 0.364 N" in told  # 0.4 / (1 -+ 0.1)
+
+
+def test_damping_that_gives_energy_is_remarked(capsys):
+    """It may be meant so; that of every model which comes with fiv takes it."""
+    assert not any(fed_by_damping(model) for model in all_models().values() if model.contacts)
+    Path("my.py").write_text(MODEL.replace('- p("c") * x_dot', '+ p("c") * x_dot'))
+    for command, code in ((["models", "my-belt"], 0), (["verify"], 5), (["check", "case.toml"], 0)):
+        assert run([*command, "--with", "my.py"]) == code
+        assert "its damping gives energy to some motions" in "".join(capsys.readouterr())
+
+
+def test_several_files_in_one_word_are_told_apart(monkeypatch, capsys):
+    monkeypatch.setenv("FIV_WITH", "my.py other.py")
+    assert run(["models"]) == 2
+    assert "FIV_WITH=ONE:TWO" in capsys.readouterr().err
 
 
 def test_what_is_assumed_of_belts_that_hold_jointly_is_told_by_check_and_show(capsys):

@@ -59,8 +59,14 @@ def test_what_a_point_has_one_of_stands_beside_its_values_of_any_number():
     rest = told[len(alone) :]
     assert {row["section_value"] for row in rest} == {""}
     assert len(rest) + len({(r["Omega"], r["initial"]) for r in alone}) == len(by_point)
-    with pytest.raises(UsageError, match="same number of values"):
+    apart = r"same number of values(.|\n)*--csv section_value, --csv other"
+    with pytest.raises(UsageError, match=apart):
         as_csv({"": found.assign(other=("k", [1.0, 2.0]))}, ["section_value", "other"], {})
+
+
+def test_an_error_that_is_not_computed_is_answered_with_what_tells_of_it():
+    with pytest.raises(UsageError, match=r"no error of 'L_s'(.|\n)*solver.rtol=1e-10"):
+        as_csv({"": data.bifurcation()}, ["L_s", "L_s_error"], {})
 
 
 def test_of_several_analyses_with_a_variable_one_is_asked_for(tmp_path, monkeypatch, capsys):

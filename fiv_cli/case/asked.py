@@ -234,9 +234,8 @@ def check_number(
         said = "one value at each point"
         if several:
             one_of_all = f'take = {{ what = "greatest", over = "{several[0]}" }}'
-            said = (
-                f"at = {{ {several[0]} = 0 }}, for example; or, of those that exist, {one_of_all}"
-            )
+            first = f"at = {{ {several[0]} = 0 }} in this table, or in the claim for both sides"
+            said = f"{first}; or, of those that exist, {one_of_all}"
         report.add(place, message, said)
 
 

@@ -257,8 +257,7 @@ def _print_remark(law: Law) -> None:
     """What may be meant so in a law of one's own, and may be a slip of the pen."""
     from fiv_cli.own.check import asymmetry
 
-    remark = asymmetry(law)
-    if remark:
+    if remark := asymmetry(law):
         click.echo(f"\nRemark: {remark}.")
 
 
@@ -300,3 +299,8 @@ def _print_equations(model: Model) -> None:
     law = get_law(model.default_law)
     click.echo("\n" + "\n".join(equation_lines(model)))
     click.echo("\n".join(law_lines(law)))
+    if model.origin is not None:
+        from fiv_cli.own.mechanics import fed_by_damping
+
+        if remark := fed_by_damping(model):
+            click.echo(f"\nRemark: {remark}")

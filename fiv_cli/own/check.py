@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from math import nan
+from math import isnan, nan
 
 import sympy
 from sympy import Expr
@@ -176,6 +176,12 @@ def _begins(law: Law) -> Iterator[Fault]:
 def _opposes_slip(law: Law) -> Iterator[Fault]:
     """The force of steady slip is along v_rel, and stick bears what slip begins with."""
     if law.pieces:
+        return
+    none = [v for v in (-FAST, FAST) if isnan(_size_at(law, v))]
+    if len(none) == 1:
+        message = f"at v = {none[0]:g} m/s F_T is no number, at {-none[0]:g} m/s it is one"
+        hint = "slip.speed is |v|; slip.v has a sign"
+        yield Fault(("Law", law.name, "force"), message, "", hint)
         return
     drives = [v for v in (-SLOW, SLOW) if _force_at(law, v) * v < 0.0]
     if drives:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import importlib
 import importlib.util
+import os
 import re
 import sys
 from collections.abc import Iterable, Iterator
@@ -68,8 +69,12 @@ def _text(path: Path) -> str:
             raise UsageError(f"--with {path}: more than {MOST_BYTES:,} bytes are no model")
         return importlib.util.decode_source(content)
     except OSError as error:
+        several = (
+            " " in str(path) and f"several: --with ONE --with TWO, FIV_WITH=ONE{os.pathsep}TWO"
+        )
+        following = several or "fiv new-model NAME > FILE.py"
         raise UsageError(
-            f"--with {path}: cannot be read: {error.strerror}\nnext: fiv new-model NAME > FILE.py"
+            f"--with {path}: cannot be read: {error.strerror}\nnext: {following}"
         ) from None
     except (SyntaxError, UnicodeDecodeError, LookupError) as error:
         raise ModelFileError(str(path), [Problem("text", f"is no text: {error}")]) from None

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import random
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import sympy
@@ -10,10 +11,12 @@ from sympy import Expr
 
 from fiv_cli.codegen.setup import default_parameters
 from fiv_cli.friction import get_law
+from fiv_cli.models.base import Model
 from fiv_cli.own.fault import Fault, shown
-from fiv_cli.own.written import Written, number_of, values_of
+from fiv_cli.own.written import Written, number_of, under_options, values_of
 
 ROUNDING = 1e-9
+MOTIONS = 50  # whose damping is looked at
 
 
 def mechanics(written: Written) -> Iterator[Fault]:
@@ -90,11 +93,14 @@ def _friction_opposes_slip(written: Written) -> Iterator[Fault]:
             for name, a in equations.accelerations.items()
         )
         effect = number_of(sympy.sympify(response), values_of(written, {}))
-        if effect >= 0.0:
-            way = "drives" if effect else "does not act on"
-            message = f"F_T of contact {i + 1} {way} its slip: it acts along v_rel on the model"
+        if effect > 0.0:
+            message = f"F_T of contact {i + 1} drives its slip: it acts along v_rel on the model"
             hint = "v_rel is the velocity of the drive less that of the body"
             yield Fault(("Contact", i, "slip_velocity"), message, "", hint)
+        elif effect == 0.0:
+            message = f"F_T of contact {i + 1} changes no velocity that its slip velocity holds"
+            hint = f"add symbols.tangential_force({i}) to the force on the body that slips there"
+            yield Fault(("Equations", 0, "accelerations"), message, "", hint)
 
 
 def _force_opens_gap(written: Written) -> Iterator[Fault]:
@@ -132,6 +138,33 @@ def energies(written: Written) -> Iterator[Fault]:
         message += f": without damping, excitation and friction they change by {shown(left)}"
     hint = 'a parameter that takes energy out or in says role="damping", an excitation is a Forcing'
     yield Fault(("Equations", 0, "potential_energy"), f"energies {message}", "", hint)
+
+
+def fed_by_damping(model: Model) -> str:
+    """That damping gives energy to some motion, as with a wrong sign, in one line; empty if none.
+
+    It may be meant so: a negative damping is.
+    """
+    kept = {p.name for p in model.parameters if p.role == "damping"}
+    if not kept or not all(_is_fed(written, kept) for written in under_options(model)):
+        return ""
+    return f"{model.name}: its damping gives energy to some motions; is a sign wrong?"
+
+
+def _is_fed(written: Written, kept: Collection[str]) -> bool:
+    symbols = written.symbols
+    damping = {symbols.parameter(name) for name in kept}
+    off = {
+        symbol: value for symbol, value in _switched_off(written).items() if symbol not in damping
+    }
+    gained = sum(_power(written), sympy.Integer(0)).subs(off)
+    moving = [symbols.velocity(name) for name in written.states]
+    values = values_of(written, {})
+    rest = {symbol: value for symbol, value in values.items() if symbol not in moving}
+    power = sympy.lambdify([moving], gained.subs(rest))
+    chance = random.Random(0)
+    motions = ([chance.uniform(-1.0, 1.0) for _ in moving] for _ in range(MOTIONS))
+    return any(power(speeds) > ROUNDING for speeds in motions)
 
 
 def _power(written: Written) -> list[Expr]:

@@ -77,12 +77,43 @@ def _rows(
     if any(rows.name != first.name for rows in ragged.values()) or any(
         not {*dataset[name].dims} <= {*first.dims} for name in points
     ):
-        message = f"{', '.join(told)}: not all of these have the same number of values at a point"
-        raise UsageError(f"{message}\nnext: a table for each")
+        raise UsageError(_in_rows_of_their_own(dataset, ragged, points, first))
     with_points = in_words.set_coords(points)
     without = select.subset(in_words[points].where(first == 0), at)
     held = [select.observations(with_points, name, at) for name in ragged]
     return held, [without[name] for name in points]
+
+
+def _in_rows_of_their_own(
+    dataset: xr.Dataset,
+    ragged: Mapping[str, xr.DataArray],
+    points: Sequence[str],
+    first: xr.DataArray,
+) -> str:
+    """Which variables share their rows, where not all do."""
+    sets: dict[str, list[str]] = {}
+    for name, rows in ragged.items():
+        sets.setdefault(str(rows.name), []).append(name)
+    for name in points:
+        fits = {*dataset[name].dims} <= {*first.dims}
+        sets.setdefault(str(first.name) if fits else str(dataset[name].dims), []).append(name)
+    tables = [f"--csv {','.join(names)}" for names in sets.values()]
+    message = "not all of these have the same number of values at a point"
+    return f"{message}\nnext: a table for each: {', '.join(tables)}"
+
+
+TRUST = ("cycle_residual", "decay_margin", "residual", "energy_residual")
+
+
+def _without_error(name: str, dataset: xr.Dataset) -> str:
+    """What tells of a number how far it may be off, where the dataset has it and no error of it."""
+    of = name.removesuffix("_error")
+    if of == name or name in dataset or of not in dataset:
+        return ""
+    trust = " and ".join(one for one in TRUST if one in dataset)
+    told = f"; {trust} tell what it may be trusted" if trust else ""
+    again = "the same run with --set solver.rtol=1e-10 -o B.nc, then fiv diff"
+    return f"no error of {of!r} is computed{told}\nnext: to see how far it moves, {again}"
 
 
 def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dataset:
@@ -95,6 +126,8 @@ def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dat
         return analyses[having[0]]
     known = {str(name): None for one in analyses.values() for name in one.data_vars}
     for name in names:
+        if told := next(filter(None, (_without_error(name, one) for one in analyses.values())), ""):
+            raise UsageError(told)
         hints = [] if name in known else [variable_meant(name, known), computed_by(name)]
         if hint := "; ".join(filter(None, hints)):
             raise UsageError(f"there is no variable {name!r}; {hint}")

@@ -10,6 +10,7 @@ from fiv_cli.case.case import Case
 from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
+from fiv_cli.models.base import Model
 
 NAMED = ("preload", "speed", "friction", "amplitude", "frequency")
 """Roles of parameters of a model whose defaults are named; of the others it is said how many."""
@@ -54,7 +55,14 @@ def remarks(case: Case) -> list[str]:
     """What is assumed where contacts stick at once, and what may be meant so in a law."""
     own = [law for law in map(get_law, case.laws) if law.origin is not None]
     assumed = [*assumed_of_contacts(case), *_level(case), *_rising(case)]
-    return [*assumed, *(_asymmetries(own) if own else [])]
+    return [*assumed, *(_asymmetries(own) if own else []), *_fed(get_model(case.model))]
+
+
+def _fed(model: Model) -> Iterator[str]:
+    if model.origin is not None:
+        from fiv_cli.own.mechanics import fed_by_damping  # brings SymPy
+
+        yield from filter(None, [fed_by_damping(model)])
 
 
 def _level(case: Case) -> Iterator[str]:

@@ -92,6 +92,13 @@ def variables(subject: Subject) -> list[Variable]:
             comment="none of a cycle whose multipliers are zero within rounding, as where stick "
             "forgets what was before",
         ),
+        Variable(
+            "lyapunov_standard_error",
+            "s-1",
+            "standard error of the exponent of what has no period",
+            role=Role.DETAIL,
+            comment="by its scatter over 16 stretches of the window",
+        ),
         *MULTIPLIERS,
         *impacts(subject, "over a period, or over L_s_window"),
         *_powers(subject),

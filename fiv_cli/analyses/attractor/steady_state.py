@@ -80,7 +80,8 @@ from fiv_cli.dynamics.system import System, Vector
 
 PATIENCE = 4.0  # s; ... the longest of which passes between two looks at a motion, or before one
 REVOLUTIONS = 3.0  # ... without section points is asked what it is without them
-BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised
+BLOCKS = 64  # pieces of a measured window, between which a tangent is renormalised ...
+LONGEST_BLOCK = 200.0  # ... natural periods; in longer ones it may grow beyond all numbers
 SHOWN = 512  # section values stored of a motion that is not periodic
 PASSAGES = 4  # along a cycle that an early attempt takes, for each state
 ATTEMPT = 8000  # steps of one state that it costs beside them
@@ -700,7 +701,8 @@ class _Response:
         told, outcome.reason = self._class_of(outcome)
         outcome.values["attractor"] = told
         if outcome.reason == "slide_not_decided":  # of a slide so short it is that of the start
-            outcome.values.pop("lyapunov", None)
+            for name in ("lyapunov", "lyapunov_standard_error"):
+                outcome.values.pop(name, None)
         if told != "undecided":
             outcome.carry = self._carry(told)
         return outcome
@@ -709,8 +711,9 @@ class _Response:
         begun = self._start_measuring()
         energy = self.motion.energy()
         autonomous = self.excitation is None
-        exponent = Exponent(self.motion, autonomous, BLOCKS) if with_exponent else None
-        answer = self._measure_to(np.linspace(begun, until, BLOCKS + 1)[1:], exponent)
+        blocks = max(BLOCKS, math.ceil((until - begun) / self.rests.natural_period / LONGEST_BLOCK))
+        exponent = Exponent(self.motion, autonomous, blocks) if with_exponent else None
+        answer = self._measure_to(np.linspace(begun, until, blocks + 1)[1:], exponent)
         if answer is not None:
             return answer
         if exponent is not None:
@@ -719,8 +722,10 @@ class _Response:
             return Outcome(reason="time_budget", values={"attractor": "undecided"})
         values = self._measured(energy) | {"transient_used": begun}
         if exponent is not None:
-            values |= {"lyapunov": exponent.mean} if np.isfinite(exponent.mean) else {}
             self.exponent_error = exponent.error
+            if np.isfinite(exponent.mean):
+                values["lyapunov"] = exponent.mean
+                values["lyapunov_standard_error"] = self.exponent_error
         # Of works only the points are told up to which they have been measured from one before.
         first = np.searchsorted(self._times, begun, side="right") if self.tells_works else -1
         works = np.diff(self.watch.works[: self.watch.count][first:], axis=0)
