@@ -136,7 +136,7 @@ def test_more_time_undoes_no_chaos_but_tells_more_of_it() -> None:
     ]
     assert [one["attractor"] for one in found] == ["chaotic", "chaotic"]
     errors = [one["lyapunov_standard_error"] for one in found]
-    assert 0.0 < errors[1] < errors[0] < 0.1
+    assert 0.0 < errors[1] < 0.5 * errors[0]  # as the root of the time, one fifth
     apart = abs(found[0]["lyapunov"] - found[1]["lyapunov"])
     assert apart < 4.0 * np.hypot(*errors)
 
