@@ -1194,9 +1194,9 @@ def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
     dataset["contact_state"] = dataset["contact_state"].expand_dims(contact=[1, 2], axis=1)
     for asked in ({"contact": 2}, {"select": {"contact": 2}}):
         drawn = draw(dataset, figure(kind, variable="phi", **asked))
-        assert drawn.legends[0].get_title().get_text() == "contact 2"
+        assert drawn.legends[0].get_title().get_text() == "colours: contact 2"
     first = draw(dataset.drop_vars("event_contact"), figure(kind, variable="phi"))
-    assert first.legends[0].get_title().get_text() == "contact 1"
+    assert first.legends[0].get_title().get_text() == "colours: contact 1"
     with pytest.raises(UsageError, match="contact = 3: there are 1, 2"):
         draw(dataset, figure(kind, variable="phi", contact=3))
     alone = draw(data.history(labels=("far",)), figure(kind, variable="phi"))

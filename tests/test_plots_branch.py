@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import default_figures, draw, figures_of
+from fiv_cli.plots.labels import told_apart, values_along
 from fiv_cli.reading.datasets import flag_names, read_analyses
 from fiv_cli.reading.summary import summarise
 from fiv_cli.sweep.policy import Policy
@@ -85,3 +87,63 @@ def test_a_dataset_without_branches_says_what_to_do(branches: xr.Dataset) -> Non
     (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
     with pytest.raises(UsageError, match="parameter and a bracket"):
         draw(branches.drop_vars("branch_value"), figure)
+
+
+TWO = """
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+c = [0.1, 0.2]
+N = [9.0, 10.0]
+[sweep]
+zip = [["c", "N"]]
+[[initial]]
+kind = "state"
+state = { x = 10.0 }
+[[analysis]]
+"""
+DIAGRAM = """kind = "response"
+section = { event = "slip->stick" }
+"""
+BRANCH = """kind = "cycle"
+section = { event = "slip->stick" }
+parameter = "v"
+bracket = [0.3, 6.0]
+"""
+
+
+def test_branches_have_the_colours_of_the_diagrams_of_their_parameters(tmp_path: Path) -> None:
+    """Of a diagram of two parameters that advance together, too; with marks where they end."""
+    speeds = "[grid]\nv = { start = 0.5, stop = 4.5, num = 5 }\n"
+    sources = []
+    for name, case in (("d", TWO.replace("[grid]\n", speeds) + DIAGRAM), ("b", TWO + BRANCH)):
+        path = tmp_path / f"{name}.nc"
+        run_case(parse_case(case, "c.toml"), path, Policy(workers=1), for_stderr(quiet=True))
+        sources.append((name, read_analyses(path)))
+    spec = FigureSpec("diagram", "bifurcation", {"x": "v"})
+    (ax,) = draw(sources, spec).axes
+    assert ax.get_ylabel() == r"$x$ at slip $\to$ stick (m)"
+    lines = {str(line.get_label()).removeprefix("_"): line for line in ax.lines}
+    colours = set()
+    for place in ("$c$ = 0.1 N s/m, $N$ = 9 N", "$c$ = 0.2 N s/m, $N$ = 10 N"):
+        own = {lines[f"{place}{what}"].get_color() for what in ("", ", stable cycle", ", grazing")}
+        assert len(own) == 1
+        colours |= own
+    assert len(colours) == 2
+    assert {"stable cycle", "grazing"} <= {*lines}
+
+
+def test_datasets_of_an_axis_of_one_value_are_called_by_it() -> None:
+    one, other = (
+        xr.Dataset(coords={"c": ("c", [c], {"units": "N s m-1", "symbol": "c"}), "N": 9.0})
+        for c in (0.1, 0.2)
+    )
+    assert told_apart([("a", one), ("b", other)]) == ["$c$ = 0.1 N s/m", "$c$ = 0.2 N s/m"]
+
+
+def test_values_that_advance_together_and_are_equal_are_one_word() -> None:
+    damping = {"units": "N s m-1"}
+    c1, c2 = (xr.DataArray([0.1, 0.2], attrs=damping | {"symbol": f"c_{n}"}) for n in (1, 2))
+    assert values_along([c1, c2], 1) == ["$c_1$ = $c_2$ = 0.2 N s/m"]
+    assert values_along([c1, 2.0 * c2.assign_attrs(damping)], 0)[0] == "$c_1$ = 0.1 N s/m"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,12 +27,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
+    from matplotlib.typing import ColorType
 
 DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.3
 PALE = 0.4  # what has no class may be on its way yet
 ELSEWHERE = ", not at the section"
+MARK = 4.0  # size of the marks of changes of cycles, pt
+SECTION_WORDS = {
+    "slip_to_stick": r"slip $\to$ stick",
+    "stick_to_slip": r"stick $\to$ slip",
+    "turning_point": "a turning point",
+    "impact": "an impact",
+}
 CYCLES = {"stable": "-", "unstable": "--"}
 
 
@@ -72,7 +80,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _draw_cycles(ax, own, axis, layer, name, where)
     for layer, told in judged:
         _draw_equilibria(ax, layer, told, axis, observed)
-    ax.set_ylabel(labels.axis_label(first[name]))
+    ax.set_ylabel(labels.axis_label(first[name]).replace("the section", _section_words(shown)))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
     points.dress([ax], shown, settings)
@@ -253,21 +261,41 @@ def _draw_cycles(
     """
     whose, observed = layer.label, _observed(layer.dataset[name])
     extremes_of = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}${where}"
-    colours = points.colours([ax]).items() if whose else ()
-    colour = next((own for label, own in colours if label.startswith(whose)), style.BLACK)
+    colours = points.colours([ax])
     for dataset in datasets:
         at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
         told = (
             {word: f"{word} cycle" for word in CYCLES} if at_section else {"unstable": extremes_of}
         )
-        for word, x, heights in _cycles(dataset, axis, observed, at_section):
+        for label, word, x, heights in _cycles(dataset, axis, observed, at_section):
             if word not in told:
                 continue
+            place = points.joined(whose, label)
+            colour = _colour_of((place, whose), colours)
             look: dict[str, Any] = {"ls": CYCLES[word], "lw": 1.2, "zorder": 1.5}
             if told[word] not in [line.get_label() for line in ax.lines]:
                 ax.plot([], [], color=style.BLACK, label=told[word], **look)
             for height in heights:
-                ax.plot(x, height, color=colour, label=points.unlisted(whose, told[word]), **look)
+                ax.plot(x, height, color=colour, label=points.unlisted(place, told[word]), **look)
+        if (
+            at_section
+            and "cycle_end_kind" in dataset
+            and branch.is_along(dataset, str(axis.name), observed)
+        ):
+            for line in points.lines(dataset, [], points.grid_dims(dataset)):
+                place = points.joined(whose, line.label)
+                colour = _colour_of((place, whose), colours)
+                branch.draw_marks(ax, dataset, line.index, colour, place, MARK, at_section=True)
+            branch.name_marks(ax, [dataset])
+
+
+def _colour_of(places: Sequence[str], colours: Mapping[str, ColorType]) -> ColorType:
+    """That of the first entry in the legend that is of one of these places; black without any."""
+    for words in ({*place.split(", ")} for place in places if place):
+        for entry, own in colours.items():
+            if words <= {*entry.split(", ")}:
+                return own
+    return style.BLACK
 
 
 def _of_one_section(dataset: xr.Dataset, diagram: xr.Dataset) -> bool:
@@ -293,6 +321,19 @@ def _sections(dataset: xr.Dataset, kind: str) -> set[tuple[object, ...]]:
         for section in asked
         if section
     }
+
+
+def _section_words(shown: Sequence[points.Layer]) -> str:
+    """The section of all diagrams, as an axis is called by it; "the section" where it has no words.
+
+    Of a model of several contacts it is told which.
+    """
+    sections = {one for layer in shown for one in _sections(layer.dataset, "response")}
+    kind, contact = next(iter(sections))[:2] if len(sections) == 1 else ("", 1)
+    if kind not in SECTION_WORDS:
+        return "the section"
+    several = any(layer.dataset.sizes.get("contact", 1) > 1 for layer in shown)
+    return f"{SECTION_WORDS[kind]}{f' of contact {contact:g}' if several else ''}"
 
 
 def _judged(
@@ -369,14 +410,17 @@ def _analyses(diagram: xr.Dataset) -> list[dict[str, Any]]:
 
 def _cycles(
     dataset: xr.Dataset, axis: xr.DataArray, observed: str, at_section: bool
-) -> Iterator[tuple[str, np.ndarray, list[np.ndarray]]]:
-    """Stability, places and heights of cycles: of stretches of a branch, or points of the grid.
+) -> Iterator[tuple[str, str, np.ndarray, list[np.ndarray]]]:
+    """Place on other axes, stability, places along this one and heights of cycles.
+
+    They are those of stretches of a branch, or of points of the grid.
 
     The heights are both extremes, or what they pass `at_section`.
     """
-    if branch.suits(dataset) and branch.is_of(dataset, str(axis.name), observed):
+    if branch.is_along(dataset, str(axis.name), observed):
         for line in points.lines(dataset, [], points.grid_dims(dataset)):
-            yield from branch.stretches(dataset, line.index, at_section=at_section)
+            stretches = branch.stretches(dataset, line.index, at_section=at_section)
+            yield from ((line.label, *stretch) for stretch in stretches)
     elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
         x, dim = points.positions(dataset.coords[str(axis.name)]), str(axis.dims[0])
         extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
@@ -385,7 +429,8 @@ def _cycles(
         for word, line in itertools.product(CYCLES, lines):
             mask = is_class(dataset["stable"], (word,)).isel(line.index)
             if mask.any():
-                yield word, x, [height.isel(line.index).where(mask).values for height in heights]
+                shown = [height.isel(line.index).where(mask).values for height in heights]
+                yield line.label, word, x, shown
 
 
 def _at_section(dataset: xr.Dataset) -> Iterator[xr.DataArray]:

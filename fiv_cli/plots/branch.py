@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import ColorType
 
 ALONG = "branch_value"
 EXTREMES = ("branch_min", "branch_max")
@@ -63,7 +64,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     entries = points.entries([name for name, _, _ in named])
     for (_, dataset, index), entry in zip(named, entries, strict=True):
         _branch(ax, dataset, index, entry)
-    _name_marks(ax, [dataset for _, dataset, _ in named])
+    _name_lines(ax, [dataset for _, dataset, _ in named])
     ax.set_xlabel(labels.axis_label(first[ALONG]))
     greatest = labels.axis_label(first[EXTREMES[1]])
     ax.set_ylabel(greatest.replace("greatest", "least and greatest"))
@@ -74,22 +75,37 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
 def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry) -> None:
     """One branch: both extremes, in pieces of one stability, and its marks."""
-    row = _rows(dataset, ALONG, index)
     for word, value, extremes in stretches(dataset, index):
         for height in extremes:
             dash, told = DASHES.get(word, "-"), points.unlisted(entry.label, word)
             ax.plot(value, height, dash, color=entry.colour, label=told)
-    for place, at, kind in _marks(dataset, index, dataset[ALONG].values[row]):
-        mark, told = MARKS.get(kind, UNMET), points.unlisted(entry.label, kind.replace("_", " "))
-        for name in EXTREMES:
-            height = dataset[name].values[row]
-            ax.plot(at, height[place], mark, color=entry.colour, mec="white", mew=0.4, ms=6,
-                    zorder=4, label=told)  # fmt: skip
+    draw_marks(ax, dataset, index, entry.colour, entry.label)
     ax.plot([], [], "-", color=entry.colour, label=entry.label)
 
 
-def is_of(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
-    """Whether the branch runs along `parameter` and tells the extremes of `observed`."""
+def draw_marks(
+    ax: Axes,
+    dataset: xr.Dataset,
+    index: Mapping[str, int],
+    colour: ColorType,
+    whose: str,
+    size: float = 6.0,
+    *,
+    at_section: bool = False,
+) -> None:
+    """A mark at each change and end of a branch, at the heights of the nearest of its cycles."""
+    value, heights = _heights(dataset, index, at_section)
+    for place, at, kind in _marks(dataset, index, value):
+        mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, kind.replace("_", " "))
+        for height in heights[:, place]:
+            ax.plot(at, height, mark, color=colour, mec="white", mew=0.4, ms=size, zorder=4.5,
+                    label=told)  # fmt: skip
+
+
+def is_along(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
+    """Whether it holds branches, along `parameter`, and they tell the extremes of `observed`."""
+    if not suits(dataset):
+        return False
     words = [str(dataset[name].attrs.get("long_name", "")) for name in (ALONG, EXTREMES[0])]
     return words[0].startswith(f"{parameter} ") and f" {observed} " in words[1]
 
@@ -109,12 +125,7 @@ def stretches(
     """
     row, ends = _rows(dataset, ALONG, index), _rows(dataset, "cycle_end", index)
     stability = class_names(dataset["branch_stable"])[row]
-    if at_section:
-        passed = dataset[AT_SECTION].values[_rows(dataset, AT_SECTION, index)]
-        heights = columns(passed, dataset["branch_multiplicity"].values[row])
-    else:
-        heights = np.stack([dataset[name].values[row] for name in EXTREMES])
-    cycles = np.vstack([dataset[ALONG].values[row], heights])
+    cycles = np.vstack(_heights(dataset, index, at_section))
     counts = np.isfinite(cycles).sum(axis=0)  # another one: no value goes on from one to the next
     differs = (stability[1:] != stability[:-1]) | (counts[1:] != counts[:-1])
     changes = (np.flatnonzero(differs) + 1).tolist()
@@ -125,6 +136,18 @@ def stretches(
         joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
         value, *extremes = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
         yield str(stability[begin]), value, extremes
+
+
+def _heights(
+    dataset: xr.Dataset, index: Mapping[str, int], at_section: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values of the parameter along a branch, and both extremes there, or what is passed."""
+    row = _rows(dataset, ALONG, index)
+    value = dataset[ALONG].values[row]
+    if not at_section:
+        return value, np.stack([dataset[name].values[row] for name in EXTREMES])
+    passed = dataset[AT_SECTION].values[_rows(dataset, AT_SECTION, index)]
+    return value, columns(passed, dataset["branch_multiplicity"].values[row])
 
 
 def columns(values: np.ndarray, sizes: np.ndarray) -> np.ndarray:
@@ -179,12 +202,17 @@ def _marks(
             yield int(np.argmin(np.abs(value - at))), float(at), str(kind)
 
 
-def _name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
+def _name_lines(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
     """Legend entries of the dashes and marks that are there."""
     stabilities = {str(word) for d in datasets for word in class_names(d["branch_stable"])}
     for word, dash in DASHES.items():
         if word in stabilities:
             ax.plot([], [], dash, color=style.BLACK, label=word)
+    name_marks(ax, datasets)
+
+
+def name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
+    """Legend entries of the marks of changes and ends that are there."""
     kinds = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
     marks = MARKS | dict.fromkeys(sorted(kinds - {*MARKS, *UNMARKED}), UNMET)
     for word, mark in marks.items():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
@@ -117,4 +118,7 @@ def _told(axis: Axis, values: np.ndarray) -> list[float | str]:
 
 
 def _in_one_line(words: str) -> str:
-    return words.replace("\n", " ")
+    r"""Words of a figure without their markup: ``c_1 = 0.1 N m s`` of ``$c_1$ = 0.1 N m s``."""
+    words = re.sub(r"\\(d*)dot\{(.*?)\}(_\{.*?\}|_\w)?", r"\2\3_\1dot", words.replace("\n", " "))
+    words = re.sub(r"\\(?:mathrm|mathit|,|;)", "", words.replace(r"\to", "->"))
+    return re.sub(r"[${}\\]", "", words)

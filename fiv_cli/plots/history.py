@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 suits = motion.suits
-OTHER_STICKS: dict[str, Any] = {"fill": False, "hatch": "//", "ec": style.GREY, "lw": 0.0}
-SHADE = 0.35
+OTHER_STICKS: dict[str, Any] = {"fill": False, "hatch": "//", "ec": "#777777", "lw": 0.0}
+SHADES = {"slip+": 0.15, "slip-": 0.3, "stick": 0.4, "separation": 0.4}
 COLUMNS = 600  # short times over which the range of many samples is drawn ...
 FEWEST_IN_COLUMN = 8  # ... where there are as many
 
@@ -50,7 +50,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
 def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -> None:
     for state, begin, end in motion.contact_spans(one, settings):
-        ax.axvspan(begin, end, color=style.CLASSES[state], alpha=SHADE, lw=0)
+        ax.axvspan(begin, end, **_shade(state))
     for _, begin, end in motion.other_sticks(one, settings):
         ax.axvspan(begin, end, **OTHER_STICKS)
     values, many = motion.of_contact(one.data[name], settings), one.time.size > style.MANY_MARKS
@@ -63,6 +63,10 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
     ax.margins(x=0)
     style.level(ax)
     points.scale(ax, settings)
+
+
+def _shade(state: str) -> dict[str, Any]:
+    return {"color": style.CLASSES[state], "alpha": SHADES[state], "lw": 0}
 
 
 def _curve(ax: Axes, one: motion.Motion, name: str, values: np.ndarray, **look: Any) -> None:
@@ -100,7 +104,12 @@ def _legend(
     """What the lines of points are, and the shades."""
     places, _ = style.told_in(axes)
     handles = [
-        Patch(color=style.CLASSES[state], alpha=SHADE, lw=0, label=motion.CONTACT_STATES[state])
+        Patch(
+            color=style.CLASSES[state],
+            alpha=SHADES[state],
+            lw=0,
+            label=motion.CONTACT_STATES[state],
+        )
         for state in states
     ]
     style.legend_below(figure, [*places, *handles, *others], contact)

@@ -146,6 +146,18 @@ def value_label(axis: xr.DataArray, value: float | str) -> str:
     return f"{quantity(axis, str(axis.name))} = {number:.6g} {unit}".rstrip()
 
 
+def values_along(axes: Sequence[xr.DataArray], index: int) -> list[str]:
+    r"""One value of each of the axes that advance together; what is equal in all of it is one word.
+
+    ``$c_1$ = $c_2$ = 3 N s/m``.
+    """
+    kinds = {(axis.dtype.kind, axis.attrs.get("units")) for axis in axes}
+    alike = len(kinds) == 1 and all(np.array_equal(axis.values, axes[0].values) for axis in axes)
+    if alike and next(iter(kinds))[0] in "fiu":
+        return [_equal([axis[index] for axis in axes])]
+    return [value_label(axis, axis.values[index]) for axis in axes]
+
+
 def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     r"""What to call each of several datasets in one figure: what they differ in, else their files.
 
@@ -163,14 +175,14 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
 
 
 def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
-    """Fixed parameter that differs -> its value in each dataset; none where more than two do.
+    """Parameter of one value that differs -> that in each dataset; none where more than two do.
 
     Several that are equal in each dataset count as one.
     """
     fixed = [
         [one[name] for one in datasets]
         for name, value in datasets[0].coords.items()
-        if all(name in one.coords and not one[name].ndim for one in datasets)
+        if all(name in one.coords and _is_one_number(one[name]) for one in datasets)
     ]
     differ: dict[tuple[object, ...], list[list[xr.DataArray]]] = {}
     for values in fixed:
@@ -179,6 +191,11 @@ def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
             differ.setdefault((values[0].attrs.get("units"), *numbers), []).append(values)
     few = differ.values() if len(differ) <= MOST_PARAMETERS else ()
     return [[*map(_equal, zip(*values, strict=True))] for values in few]
+
+
+def _is_one_number(coordinate: xr.DataArray) -> bool:
+    """Whether it is a fixed parameter, or an axis of one value."""
+    return coordinate.size == 1 and coordinate.dtype.kind in "fiu"
 
 
 def _equal(parameters: Sequence[xr.DataArray]) -> str:

@@ -279,4 +279,4 @@ def others_sticking(every: Sequence[Motion], settings: points.Settings) -> list[
 def named_contact(dataset: xr.Dataset, settings: points.Settings) -> str:
     """Which contact the colours are about, where there are several."""
     states = dataset["contact_state"]
-    return f"contact {_contact(states, settings)}" if "contact" in states.dims else ""
+    return f"colours: contact {_contact(states, settings)}" if "contact" in states.dims else ""

@@ -219,10 +219,9 @@ def _line(
     groups: Sequence[Sequence[xr.DataArray]], dims: Sequence[str], place: Sequence[int]
 ) -> Line:
     words = [
-        labels.value_label(axis, axis.values[index])
+        word
         for group, index in zip(groups, place, strict=True)
-        for axis in group
-        if axis.size > 1
+        for word in labels.values_along([axis for axis in group if axis.size > 1], index)
     ]
     return Line(", ".join(words), dict(zip(dims, place, strict=True)))
 
