@@ -1992,7 +1992,7 @@ def test_show_tells_works_that_range_alike_in_one_line():
     works = {name: (dim, np.array(pair), {"units": "J"}) for name, pair in told.items()}
     printed = summary_lines(summarise({"": dataset.assign(works)}))
     assert [line.split() for line in printed if "_work" in line] == [
-        ["[section_]wear_work", "1", "to", "2", "J"],
+        ["wear_work,", "section_wear_work", "1", "to", "2", "J"],
         ["drive_work", "1", "to", "3", "J"],
         ["section_drive_work", "2", "to", "3", "J"],
         ["0", "throughout", "other_work,", "impact_work"],

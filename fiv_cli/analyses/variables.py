@@ -245,7 +245,7 @@ SLIP_BEYOND = Variable(
 
 # --- what several analyses have -------------------------------------------------------------------
 ATTRACTOR = classes("attractor", "class of the steady state", headline=1)
-PERIOD = Variable("period", "s", "period of the attractor", symbol="T")
+PERIOD = Variable("period", "s", "period of the attractor", symbol="T", headline=2)
 MULTIPLICITY = count("multiplicity", "section points per period")
 PERIOD_RATIO = Variable("period_ratio", "1", "period over the period of the excitation")
 

@@ -336,7 +336,7 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]], at_edges: Container[st
     terms = [name for name in told if name.endswith(("_work", "_power"))]
     alike = {name for name in terms if told.get(f"section_{name}") == told[name]}
     names = {
-        name: f"[section_]{name}" if name in alike else name
+        name: f"{name}, section_{name}" if name in alike else name
         for name in told
         if name.removeprefix("section_") not in alike or name in alike
     }

@@ -102,18 +102,14 @@ def _in_rows_of_their_own(
     return f"{message}\nnext: a table for each: {', '.join(tables)}"
 
 
-TRUST = ("cycle_residual", "decay_margin", "residual", "energy_residual")
-
-
 def _without_error(name: str, dataset: xr.Dataset) -> str:
     """What tells of a number how far it may be off, where the dataset has it and no error of it."""
     of = name.removesuffix("_error")
     if of == name or name in dataset or of not in dataset:
         return ""
-    trust = " and ".join(one for one in TRUST if one in dataset)
-    told = f"; {trust} tell what it may be trusted" if trust else ""
+    told = "what points tell of their trust stands last in `fiv show`"
     again = "the same run with --set solver.rtol=1e-10 -o B.nc, then fiv diff"
-    return f"no error of {of!r} is computed{told}\nnext: to see how far it moves, {again}"
+    return f"no error of {of!r} is computed; {told}\nnext: to see how far it moves, {again}"
 
 
 def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dataset:

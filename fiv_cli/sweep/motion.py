@@ -170,7 +170,10 @@ def write_motion(
     dataset, outcome = run_motion(point, settings, announce, steady=steady)
     attributes = provenance(point.case, identity)
     place = [f"{name}={value}" for name, value in point.place.items()]
-    attributes[MOTION] = ", ".join([*place, *["settled"] * (steady is not None and steady.settled)])
+    settled = steady is not None and steady.settled
+    attributes[MOTION] = ", ".join([*place, *["settled"] * settled])
+    again = str(attributes["history"]).replace("fiv run", "fiv history", 1)
+    attributes["history"] = f"{again} --at {','.join(place)}{' --settled' * settled}"
     write_datasets(path, {"history": Dataset.of(dataset)}, attributes)
     return outcome
 
