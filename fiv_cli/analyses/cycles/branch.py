@@ -463,8 +463,9 @@ class _Walk:
     round_corners : whether other branches are gone on with
     length : of the next step
     in_a_row : steps that went well since one that did not
-    to_corner : points up to the last corner
     points, ends : what was passed
+    before : points that were passed before each of the ends
+    rounded : corners that were gone round as they were met again
     """
 
     here: Point
@@ -472,9 +473,25 @@ class _Walk:
     round_corners: bool
     length: float = FIRST
     in_a_row: int = PATIENCE
-    to_corner: int = 0
     points: list[Point] = field(default_factory=list)
     ends: list[End] = field(default_factory=list)
+    before: list[int] = field(default_factory=list)
+    rounded: list[End] = field(default_factory=list)
+
+    def pass_end(self, end: End) -> None:
+        """Note an end at which the branch goes on."""
+        self.ends.append(end)
+        self.before.append(len(self.points))
+
+    def cut_at(self, corner: End) -> None:
+        """Forget what was passed after a corner."""
+        place = next(n for n, end in enumerate(self.ends) if end is corner)
+        del self.ends[place + 1 :], self.points[self.before[place] :], self.before[place + 1 :]
+
+    def go_on_from(self, there: Point) -> None:
+        """Go on with another branch, from a point of it."""
+        self.here, self.well, self.length, self.in_a_row = there, there, FIRST, 0
+        self.points.append(there)
 
 
 def stable_until(first: Point, ends: Sequence[End]) -> End | None:
@@ -492,7 +509,7 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
         end, there, walk.length = _first_change(line, walk, there)
         walk.in_a_row = 0
         if end is not None:
-            walk.ends.append(end)
+            walk.pass_end(end)
         if there is walk.here:  # what was found lies on another branch: this one may end here
             return _turn(line, walk) if is_close(line, there, walk.length) else None
     if walk.in_a_row >= PATIENCE:
@@ -509,16 +526,14 @@ def _turn(line: Continuation, walk: _Walk) -> End | None:
     end = _last_end(line, walk)
     told_before = _told_before(line, walk.ends, end)
     if told_before is not None:
-        return _one_corner(walk, told_before, end)
+        return _again(line, walk, told_before, end)
     corner = walk.round_corners and end.kind == GRAZING
     met = [e.last for e in walk.ends if abs(e.value - end.value) <= MEETING * line.span and e.last]
     there = _round_corner(line, walk.here, met) if corner else None
     if there is None:
         return end
-    walk.ends.append(replace(end, goes_on=True, beyond=there))
-    walk.to_corner = len(walk.points)
-    walk.here, walk.well, walk.length, walk.in_a_row = there, there, FIRST, 0
-    walk.points.append(there)
+    walk.pass_end(replace(end, goes_on=True, beyond=there))
+    walk.go_on_from(there)
     return None
 
 
@@ -527,17 +542,33 @@ def _told_before(line: Continuation, ends: Sequence[End], end: End) -> End | Non
 
     So close to it the two sides are no longer told apart: what was gone on with was the same side.
     """
-    for one in ends:
-        again = one.kind == end.kind == GRAZING and one.direction == end.direction
-        if again and abs(one.value - end.value) <= MEETING * line.span:
+    for one in ends if end.kind in (GRAZING, OTHER) else ():
+        same_way = one.kind == GRAZING and one.direction == end.direction
+        if same_way and abs(one.value - end.value) <= MEETING * line.span:
             return one
+    return None
+
+
+def _again(line: Continuation, walk: _Walk, corner: End, end: End) -> End | None:
+    """Go round a corner that is met again at once; the end where that was tried, or cannot be.
+
+    So close to it the cycles beyond may lie on the side from which it was come to.
+    """
+    is_new = walk.round_corners and not any(one is corner for one in walk.rounded)
+    there = _round_corner(line, corner.last, []) if is_new and corner.last else None
+    if there is None:
+        return _one_corner(walk, corner, end)
+    walk.rounded.append(corner)
+    walk.cut_at(corner)
+    walk.go_on_from(there)
     return None
 
 
 def _one_corner(walk: _Walk, corner: End, again: End) -> End:
     """The corner as the end of the branch, as wide as it was met apart; nothing beyond it."""
-    del walk.ends[walk.ends.index(corner) :]
-    del walk.points[walk.to_corner :]
+    walk.cut_at(corner)
+    walk.ends.pop()
+    walk.before.pop()
     return replace(
         corner,
         width=again.width + abs(again.value - corner.value),

@@ -115,7 +115,7 @@ def _changes(varied: Varied) -> list[Variable]:
         Variable("cycle_end_error", varied.unit, _OFF, ragged=end, comment=_CYCLES_AGAIN),
         classes("cycle_end_kind", "what happens", of="cycle_end", ragged=end, comment=_KINDS),
         count("cycle_end_direction", f"1: {name} rising, -1: falling", ragged=end),
-        detail("cycle_end_goes_on", "whether the branch goes on", of="goes_on", ragged=end),
+        detail("cycle_end_goes_on", "whether the branch was followed beyond", of="goes_on", ragged=end),
     ]  # fmt: skip
 
 

@@ -57,14 +57,16 @@ def _found_again(line: Continuation, here: Point) -> float | None:
 
 
 def _to_grazing(well: Point, here: Point) -> float:
-    """Change of the parameter to where the multiplier has grown without bound, if it is about to.
+    """Twice the change of the parameter to where the multiplier has grown without bound, if it is
+    about to.
 
     Towards a grazing it goes as the inverse of that change (Nordmark 1991), and from some size on
-    no cycle is closed any more that is there. NaN where it was not seen to grow.
+    no cycle is closed any more that is there, and the multiplier itself is known to half of it. NaN
+    where it was not seen to grow.
     """
     if here.cycle.largest < UNBOUND:
         return 0.0
     before, after = 1.0 / well.cycle.largest, 1.0 / here.cycle.largest
     if after >= before:
         return float("nan")
-    return abs(here.value - well.value) * after / (before - after)
+    return 2.0 * abs(here.value - well.value) * after / (before - after)

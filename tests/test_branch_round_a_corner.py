@@ -1,0 +1,87 @@
+"""A branch of cycles that turns back where a landing is missed, and goes on without any.
+
+Two torsional inertias of a drill string: the bit rubs on the rock with a falling friction torque.
+Its stick-slip is stable up to a fold, turns, is stable again and ends where the bit no longer
+sticks; from there an unstable slip goes back. Met by a user whose branch was lost at a tight width.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fiv_cli import api
+
+DRILL = '''"""A bit on rock below a string that a table turns."""
+
+from fiv_cli.models.base import Contact, Equations, Model, Parameter, State
+
+
+def equations(symbols, options):
+    p = symbols.parameter
+    (top, bit), speeds = map(symbols.coordinate, "ab"), [*map(symbols.velocity, "ab")]
+    string = p("k") * (top - bit) + p("c") * (speeds[0] - speeds[1])
+    table = p("k_t") * top + p("c_t") * speeds[0]
+    friction = p("r") * symbols.tangential_force(0)
+    return Equations(
+        accelerations={"a": (-table - string) / p("J_a"), "b": (string + friction) / p("J_b")},
+        contacts=(Contact(-p("r") * (p("Omega") + speeds[1]), "b", p("W")),),
+        kinetic_energy=(p("J_a") * speeds[0] ** 2 + p("J_b") * speeds[1] ** 2) / 2,
+        potential_energy=(p("k_t") * top**2 + p("k") * (top - bit) ** 2) / 2,
+    )
+
+
+NUMBERS = {"J_a": ("kg m2", 40.0), "J_b": ("kg m2", 10.0), "k": ("N m rad-1", 300.0),
+           "k_t": ("N m rad-1", 500.0), "r": ("m", 0.1), "W": ("N", 1e4), "Omega": ("rad s-1", 5.2)}
+DAMPING = {"c": 2.0, "c_t": 10.0}
+MODEL = Model(
+    name="drill",
+    title="drill string",
+    reference="none",
+    numerics_version=1,
+    parameters=(
+        *(Parameter(n, n, unit, value, n) for n, (unit, value) in NUMBERS.items()),
+        *(Parameter(n, n, "N m s rad-1", c, n, role="damping") for n, c in DAMPING.items()),
+    ),
+    states=lambda options: (State("a", "a", "rad", "top"), State("b", "b", "rad", "bit")),
+    equations=equations,
+    default_law="stribeck",
+    law_defaults={"mu_k": 0.23, "mu_s": 0.4, "v_s": 0.1},
+    constant_load=True,
+)
+'''
+BRANCH = {
+    "schema": 1,
+    "model": {"name": "drill"},
+    "friction": {"law": "stribeck", "delta": 2},
+    "initial": [{"kind": "state", "state": {"b": 0.0}}],
+    "analysis": [
+        {"kind": "cycle", "parameter": "Omega", "bracket": [4.0, 9.0], "observe": "b"}
+        | {"section": {"event": "stick->slip"}}
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def drill(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("drill") / "drill.py"
+    path.write_text(DRILL)
+    return path
+
+
+@pytest.mark.parametrize("width", [1e-5, 1e-6, 1e-8, 1e-9])
+def test_a_branch_is_the_same_however_closely_its_changes_are_looked_for(
+    drill: Path, width: float
+) -> None:
+    case = api.load(BRANCH, {"analysis.0.width": width}, using=drill)
+    found = api.run(case, workers=1)
+    kinds = api.names_of(found["cycle_end_kind"]).values.tolist()
+    assert kinds == ["bracket", "fold", "fold", "grazing", "bracket"]
+    known = [4.0, 7.71378754, 7.64377815, 7.99839856, 4.0]
+    errors = found["cycle_end_error"].values
+    assert (np.abs(found["cycle_end"].values - known) <= errors + 1e-8).all()
+    assert (errors <= 20.0 * width).all()
+    for end in known:  # the cycles on the way there are kept
+        assert np.abs(found["branch_value"].values - end).min() < 0.05
