@@ -267,10 +267,10 @@ def _draw_cycles(
         told = (
             {word: f"{word} cycle" for word in CYCLES} if at_section else {"unstable": extremes_of}
         )
-        for label, word, x, heights in _cycles(dataset, axis, observed, at_section):
+        for own, word, x, heights in _cycles(dataset, axis, observed, at_section):
             if word not in told:
                 continue
-            place = points.joined(whose, label)
+            place = points.joined(whose, _place_in(layer.dataset, own, str(axis.dims[0])))
             colour = _colour_of((place, whose), colours)
             look: dict[str, Any] = {"ls": CYCLES[word], "lw": 1.2, "zorder": 1.5}
             if told[word] not in [line.get_label() for line in ax.lines]:
@@ -283,10 +283,22 @@ def _draw_cycles(
             and branch.is_along(dataset, str(axis.name), observed)
         ):
             for line in points.lines(dataset, [], points.grid_dims(dataset)):
-                place = points.joined(whose, line.label)
+                own = dataset.isel(line.index)
+                place = points.joined(whose, _place_in(layer.dataset, own, str(axis.dims[0])))
                 colour = _colour_of((place, whose), colours)
                 branch.draw_marks(ax, dataset, line.index, colour, place, MARK, at_section=True)
             branch.name_marks(ax, [dataset])
+
+
+def _place_in(diagram: xr.Dataset, own: xr.Dataset, along: str) -> str:
+    """What the lines of a diagram that are at the parameters of a cycle are called by these."""
+    for line in points.lines(diagram, [along, "initial"], points.grid_dims(diagram)):
+        there = diagram.isel(line.index).coords
+        known = [name for name in there if name in own.coords and not there[name].ndim]
+        pairs = [(there[name].item(), own[name].item()) for name in known if not own[name].ndim]
+        if all(one == other for one, other in pairs):
+            return line.label
+    return ""
 
 
 def _colour_of(places: Sequence[str], colours: Mapping[str, ColorType]) -> ColorType:
@@ -410,8 +422,8 @@ def _analyses(diagram: xr.Dataset) -> list[dict[str, Any]]:
 
 def _cycles(
     dataset: xr.Dataset, axis: xr.DataArray, observed: str, at_section: bool
-) -> Iterator[tuple[str, str, np.ndarray, list[np.ndarray]]]:
-    """Place on other axes, stability, places along this one and heights of cycles.
+) -> Iterator[tuple[xr.Dataset, str, np.ndarray, list[np.ndarray]]]:
+    """Where cycles are on other axes, their stability, places along this one and heights.
 
     They are those of stretches of a branch, or of points of the grid.
 
@@ -420,7 +432,7 @@ def _cycles(
     if branch.is_along(dataset, str(axis.name), observed):
         for line in points.lines(dataset, [], points.grid_dims(dataset)):
             stretches = branch.stretches(dataset, line.index, at_section=at_section)
-            yield from ((line.label, *stretch) for stretch in stretches)
+            yield from ((dataset.isel(line.index), *stretch) for stretch in stretches)
     elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
         x, dim = points.positions(dataset.coords[str(axis.name)]), str(axis.dims[0])
         extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
@@ -430,7 +442,7 @@ def _cycles(
             mask = is_class(dataset["stable"], (word,)).isel(line.index)
             if mask.any():
                 shown = [height.isel(line.index).where(mask).values for height in heights]
-                yield line.label, word, x, shown
+                yield dataset.isel(line.index), word, x, shown
 
 
 def _at_section(dataset: xr.Dataset) -> Iterator[xr.DataArray]:

@@ -36,6 +36,7 @@ MARKS = {
     "budget": "v",
     "other": "h",
 }
+SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
 UNMET = "|"  # what the model asks of its parameters no longer holds
 
 
@@ -130,8 +131,9 @@ def stretches(
     differs = (stability[1:] != stability[:-1]) | (counts[1:] != counts[:-1])
     changes = (np.flatnonzero(differs) + 1).tolist()
     known = dataset["cycle_end"].values[ends]
+    smooth = np.isin(_kinds(dataset)[ends], SMOOTH)
     alike = [at for at in changes if counts[at - 1] == counts[at]]
-    met = {at: _between(cycles[:, at - 1], cycles[:, at], known) for at in alike}
+    met = {at: _between(cycles[:, at - 1], cycles[:, at], known, smooth) for at in alike}
     for begin, end in pairwise([0, *changes, len(stability)] if len(stability) else []):
         joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
         value, *extremes = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
@@ -162,17 +164,27 @@ def columns(values: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     return whole
 
 
-def _between(before: np.ndarray, after: np.ndarray, changes: np.ndarray) -> np.ndarray:
+def _between(
+    before: np.ndarray, after: np.ndarray, changes: np.ndarray, smooth: np.ndarray
+) -> np.ndarray:
     """Value of the parameter and extremes where two cycles that follow one another change.
 
-    That is the nearest of the changes; at a fold it lies beyond both. None of their own step:
-    midway.
+    That is the nearest of the changes, of the `smooth` ones if any is near; at a fold it lies
+    beyond both. None of their own step: midway.
     """
     middle, step = 0.5 * (before[0] + after[0]), abs(after[0] - before[0])
-    near = changes[np.abs(changes - middle) <= 1.5 * step]
+    near = np.abs(changes - middle) <= 1.5 * step
+    near = changes[near & smooth] if (near & smooth).any() else changes[near]
     at = near[np.argmin(np.abs(near - middle))] if near.size else middle
     share = np.clip((at - before[0]) / (after[0] - before[0]), 0.0, 1.0) if step else 0.5
     return np.array([at, *(before + share * (after - before))[1:]])
+
+
+def _kinds(dataset: xr.Dataset) -> np.ndarray:
+    """What each change or end of all branches is; nothing where a dataset does not tell."""
+    if "cycle_end_kind" not in dataset:
+        return np.full(dataset["cycle_end"].shape, "")
+    return class_names(dataset["cycle_end_kind"])
 
 
 def _length(dataset: xr.Dataset, index: Mapping[str, int]) -> int:

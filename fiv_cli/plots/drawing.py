@@ -278,8 +278,11 @@ def _starts(analyses: dict[str, xr.Dataset]) -> set[str]:
 
 
 def _selected(dataset: xr.Dataset, selection: Mapping[str, Any]) -> xr.Dataset:
-    """An analysis beside the one that is drawn, narrowed as far as it has these axes."""
-    known = select.axis_names(dataset)
+    """An analysis beside the one that is drawn, narrowed as far as it has these axes.
+
+    From which start a branch was found matters to none of its cycles.
+    """
+    known = {*select.axis_names(dataset)} - ({"initial"} if branch.suits(dataset) else set())
     own = {name: wanted for name, wanted in selection.items() if name.replace(".", "_") in known}
     try:
         return select.subset(dataset, own)

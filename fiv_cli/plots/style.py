@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -85,6 +86,7 @@ SIDES: dict[Any, Any] = {
     "center right": "E", "center left": "W", "upper center": "N", "lower center": "S",
     "center": "C",
 }  # fmt: skip
+NARROWER = 1.2  # letters of legends stand where one of a title does
 KEY_LETTERS = 7  # that the key of an entry of a legend takes
 ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
 IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
@@ -252,16 +254,31 @@ def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> 
     """A legend under the panels, in as many columns as there is room for."""
     most = letters(figure) - KEY_LETTERS
     words = [_folded(str(handle.get_label()), most) for handle in handles]
-    beside = letters(figure) // (KEY_LETTERS + longest(words))
-    columns = max(1, min(beside, len(words)))
+    columns = columns_of(words, int(NARROWER * letters(figure)))
     if words:
         even_keys(
             figure.legend(
                 handles, words, loc="outside lower center", ncols=columns, title=title or None
             )
         )
-    lines = sum(1 + word.count("\n") for word in words)
-    make_room(figure, bool(title) - (-lines // columns))
+    rows = [sum(1 + word.count("\n") for word in part) for part in _parted(words, columns)]
+    make_room(figure, bool(title) + max(rows, default=0))
+
+
+def columns_of(words: Sequence[str], room: int) -> int:
+    """How many columns of a legend stand side by side: each is as wide as its longest entry."""
+    for columns in range(len(words), 1, -1):
+        widths = [KEY_LETTERS + longest(part) for part in _parted(words, columns)]
+        if sum(widths) <= room:
+            return columns
+    return 1
+
+
+def _parted(words: Sequence[str], columns: int) -> list[list[str]]:
+    """Entries in columns, as a legend has them: one after another, the first no shorter."""
+    rows, longer = divmod(len(words), columns)
+    ends = np.cumsum([rows + (column < longer) for column in range(columns)]).tolist()
+    return [[*words[begin:end]] for begin, end in pairwise([0, *ends])]
 
 
 def even_keys(legend: Legend) -> None:

@@ -115,7 +115,7 @@ def _changes(varied: Varied) -> list[Variable]:
         Variable("cycle_end_error", varied.unit, _OFF, ragged=end, comment=_CYCLES_AGAIN),
         classes("cycle_end_kind", "what happens", of="cycle_end", ragged=end, comment=_KINDS),
         count("cycle_end_direction", f"1: {name} rising, -1: falling", ragged=end),
-        detail("cycle_end_goes_on", "whether the branch was followed beyond", of="goes_on", ragged=end),
+        detail("cycle_end_goes_on", "whether it was followed beyond", of="goes_on", ragged=end),
     ]  # fmt: skip
 
 
@@ -135,9 +135,11 @@ def _end(side: str, varied: Varied) -> list[Variable]:
 def _stable_end(side: str, varied: Varied) -> list[Variable]:
     """One end of the range in which the cycle stays stable, from where it was found."""
     name, unit = f"stable_{side}", varied.unit
-    comment = "followed from where it was found; missing where it is not stable there"
+    comment = "followed from where it was found, to the first change; it may be stable again beyond"
+    way = "up" if side == "highest" else "down"
+    meaning = f"{varied.name} {way} to which the cycle stays stable"
     return [
-        Variable(name, unit, f"{side} {varied.name} with the cycle stable", comment=comment),
+        Variable(name, unit, meaning, comment=comment),
         Variable(f"{name}_error", unit, _OFF, comment=_CYCLES_AGAIN),
         classes(f"{name}_kind", "what ends it there", of="cycle_end"),
     ]
