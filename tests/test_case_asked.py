@@ -112,6 +112,11 @@ def test_what_will_be_there(text: str) -> None:
         (claim("attractor", "{ less_than = 1 }", MEAN), "claim.0.take.what", "there is no mean"),
         (claim("L_s", "{ less_than = 2 }", CLASSES), "claim.0.take.what", "has no classes"),
         (figure('kind = "curve"', 'variable = "L_s"', OF_CLASS), "figure.0.take.of", "a number"),
+        (
+            figure('kind = "history"', 'variable = "friction_work"'),
+            "figure.0.variable",
+            "friction_work",
+        ),
         (claim("L_s", LESS.format("at = { v = 2 }")), f"{THERE}.at.v", "2 is not on the axis"),
         (claim("L_s", LESS.format("at = { u = 2 }")), f"{THERE}.at.u", "nothing called 'u'"),
         (claim("L_s", '{ less_than = "L_s" }'), THERE, "is what the claim itself is about"),

@@ -10,7 +10,10 @@ import pytest
 import xarray as xr
 
 from fiv_cli import api
+from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.main import run
+from fiv_cli.plots import draw
+from fiv_cli.reading.datasets import read_analyses
 from fiv_cli.reading.sampling import enough, is_coarse
 
 CASE = """schema = 1
@@ -81,3 +84,15 @@ def test_many_samples_too_few_for_a_curve_are_drawn_as_their_range(drawn: Path) 
     assert len(ranges) == 600
     assert (ranges.min(), ranges.max()) == (x.min(), x.max())
     assert (ranges[:, 0] <= ranges[:, 1]).all()
+
+
+def test_no_force_is_drawn_beyond_what_friction_can_bear(tmp_path: Path) -> None:
+    """Its law falls within a few samples of each landing: what leads there leads beyond."""
+    law = '[friction]\nlaw = "exponential"\nalpha = 10.0\n[[initial]]'
+    case, motion = tmp_path / "case.toml", tmp_path / "m.nc"
+    case.write_text(CASE.replace("[[initial]]", law))
+    assert run(["history", str(case), "--t-end", "100", "--sample", "0.1", "-o", str(motion)]) == 0
+    drawn = draw(read_analyses(motion), FigureSpec("f", "history", {"variable": ["F_T"]}))
+    (line,) = drawn.axes[0].lines
+    force, capacity = np.abs(line.get_ydata()), 0.4 * 10.0
+    assert capacity * 0.999 < force.max() <= capacity * (1.0 + 1e-12)

@@ -257,3 +257,15 @@ def test_what_is_wrong_in_a_file_of_starts_is_told_with_row_and_column(
 def test_a_table_stands_in_the_case_or_in_a_file(tmp_path: Path, starts: str) -> None:
     with pytest.raises(CaseError, match="needs its states, or a file"):
         table(tmp_path, "x\n1\n", starts)
+
+
+def test_a_start_takes_the_opposite_of_a_parameter_too() -> None:
+    """At each point, and along what is bisected: a bit at rest on rock, seen from the table."""
+    start = {"kind": "state", "state": {"x": 1.0, "x_dot": "-v"}}
+    case = {"schema": 1, "model": {"name": "belt-1dof"}, "initial": [start]}
+    swept = api.load(case | {"grid": {"v": [0.5, 1.0]}, "analysis": [{"kind": "response"}]})
+    found = api.run(swept, workers=1)["initial_state"].sel(state="x_dot")
+    assert found.values.ravel().tolist() == [-0.5, -1.0]
+    start["state"]["x_dot"] = "-w"
+    with pytest.raises(CaseError, match="there is no parameter 'w'"):
+        api.load(case | {"analysis": [{"kind": "response"}]})

@@ -95,7 +95,7 @@ class Start:
         the rest 0) or "continue" (from `carried`; `values` is the offset from an equilibrium)
     values : state name -> SI value; velocities carry the suffix ``_dot``
     carried : what the neighbour's `Outcome.carry` held, for "continue"
-    named : state -> parameter whose value it takes, among `values`
+    named : state -> parameter whose value it takes, among `values`; after a minus the opposite
     from_rest : whether a motion that came to rest goes on from there, plus `values`, and not from
         the equilibrium that this point has
     literal : whether it begins in just the state of the neighbour, so that what stuck slips where
@@ -112,8 +112,14 @@ class Start:
 
     def at(self, parameters: Mapping[str, float]) -> Start:
         """The same start where the parameters have other values."""
-        taken = {state: parameters[name] for state, name in self.named.items()}
+        taken = {state: value_of(name, parameters) for state, name in self.named.items()}
         return replace(self, values={**self.values, **taken})
+
+
+def value_of(name: str, parameters: Mapping[str, float]) -> float:
+    """Value of the parameter that a start names; of ``-NAME`` the opposite."""
+    value = parameters[name.removeprefix("-")]
+    return -value if name.startswith("-") else value
 
 
 @dataclass

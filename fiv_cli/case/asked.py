@@ -78,7 +78,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         _check_phase(figure, known, place, report)
     key = "y" if figure.kind == "curve" and "variable" not in figure.settings else "variable"
     names = _named(figure.settings.get(key, [])) if known else []
-    sound = [name for name in names if _check(name, known, (*place, key), report)]
+    shown = _moving(known) if figure.kind == "history" else known
+    sound = [name for name in names if _check(name, shown, (*place, key), report)]
     for name in sound:
         places = _places(case, held, analysis, name)
         _check_drawn(figure, name, known, places, (*place, key), report)
@@ -104,6 +105,11 @@ def _check_phase(
     for key in ("x", "y"):
         if key in figure.settings:
             _check(figure.settings[key], moving, (*place, key), report)
+
+
+def _moving(known: Mapping[str, Variable | None]) -> dict[str, Variable | None]:
+    """What varies along a motion."""
+    return {name: v for name, v in known.items() if v is not None and "time" in v.dims}
 
 
 def _moves(variable: Variable | None) -> bool:

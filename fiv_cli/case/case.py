@@ -70,7 +70,7 @@ class StartSpec:
     label : unique; random starts and those of a table have labels ``label-000`` ...
     kind : "equilibrium", "state", "random", "table" or "continue"
     offset : state -> SI value (equilibrium, continue)
-    state : state -> SI value or name of a parameter whose value is taken (state)
+    state : state -> SI value; or "NAME", "-NAME": that of a parameter, or the opposite (state)
     count : number of random starts, or of those of a table
     seed, box : random starts; box is state -> (low, high)
     rows : state -> SI value, of each start of a table

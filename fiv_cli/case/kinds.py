@@ -280,7 +280,7 @@ Where motions start, each table a start; `initial` is an axis of the dataset, wi
     [[initial]]
     label = "disc-speed"
     kind = "state"
-    state = { phi_dot = "Omega" }                # a number in SI, or the value of a parameter
+    state = { phi_dot = "Omega" }                # a number in SI, or a parameter: "Omega", "-Omega"
     [[initial]]
     label = "anywhere"
     kind = "random"

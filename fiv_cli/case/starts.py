@@ -97,14 +97,16 @@ def _state(
     parameters = {p.name: p.meaning for p in physics.table().values()}
     found: dict[str, float | str] = {}
     for name, unit, key_place, value in _known_states(values, physics, place, report):
-        named = ascii_name(value) if isinstance(value, str) else ""
+        negative = isinstance(value, str) and value.startswith("-")
+        named = ascii_name(value.removeprefix("-").lstrip()) if isinstance(value, str) else ""
         if named in parameters:
-            found[name] = named
+            found[name] = f"{'-' * negative}{named}"
         elif named.isidentifier():
             message, hint = f"there is no parameter {named!r}", counterpart(named, physics.table())
             report.unknown(key_place, message, named, parameters, hint)
         else:
-            with report.noting(key_place, f"a number in {unit}, or the name of a parameter"):
+            allowed = f"a number in {unit}, or the name of a parameter, a minus before it or not"
+            with report.noting(key_place, allowed):
                 found[name] = convert(value, unit)
     return found
 

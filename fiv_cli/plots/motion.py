@@ -88,6 +88,9 @@ class Motion:
             impacts = [e.time for e in self.events if e.before == "separation" and rates is None]
             mean, jumps = 0.5 * (before + after), np.isin(self.instants, impacts)
             before, after = np.where(jumps, before, mean), np.where(jumps, after, mean)
+        else:  # friction has bounds: no value is drawn beyond those of samples
+            bounds = np.nanmin(values), np.nanmax(values)
+            before, after = np.clip(before, *bounds), np.clip(after, *bounds)
         return np.insert(values, *self._pairs(before, after))
 
     def _beside(self, values: np.ndarray, side: int, rates: np.ndarray | None = None) -> np.ndarray:

@@ -327,6 +327,8 @@ def evaluate(
     if verdict.verdict == UNDETERMINED and trial.blurred.any():
         more = _sharpened(name, dataset, part.get(f"{variable}_width"))
         hint = f", {more}{hint}"
+    if verdict.verdict == CONTRADICTED and claim.take.get("what") in ("first", "last"):
+        hint += _steps_between(dataset, claim.take)
     of_share = margin if margin > 0.0 else None
     return replace(verdict, found=f"{verdict.found}{hint}", standard_error=of_share)
 
@@ -396,6 +398,15 @@ def _ends(part: xr.Dataset, take: Mapping[str, Any]) -> dict[str, Any]:
     """The end of the axis that a first or last place may lie at, and then is no border."""
     end = {"first": 0, "last": -1}.get(take["what"])
     return {} if end is None else {END: select.axis_of(part, *take["over"]).values[end]}
+
+
+def _steps_between(dataset: xr.Dataset, take: Mapping[str, Any]) -> str:
+    """How far values of the axis lie apart along which a first or last one was taken."""
+    axis = select.axis_of(dataset, *take["over"])
+    if axis.size < 2 or not select.is_numeric(axis):
+        return ""
+    step = float(np.abs(np.diff(axis.values)).max())
+    return f"; {axis.name} goes in steps of {step:.4g}: a `boundary` finds what lies between"
 
 
 def _sharpened(analysis: str, dataset: xr.Dataset, reached: xr.DataArray | None) -> str:

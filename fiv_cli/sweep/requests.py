@@ -26,6 +26,7 @@ from fiv_cli.analyses.base import (
     Start,
     as_asked,
     broken,
+    value_of,
 )
 from fiv_cli.case.case import StartSpec
 from fiv_cli.friction import get_law
@@ -306,7 +307,7 @@ def _state(template: Template, values: Values, entry: StartEntry) -> dict[str, f
     if not any(isinstance(value, str) for value in state.values()):
         return {name: float(value) for name, value in state.items()}
     parameters = parameters_at(template, values)
-    return {n: parameters[v] if isinstance(v, str) else v for n, v in state.items()}
+    return {n: value_of(v, parameters) if isinstance(v, str) else v for n, v in state.items()}
 
 
 def _random(template: Template, values: Values, entry: StartEntry) -> dict[str, float]:
