@@ -56,6 +56,7 @@ MIRRORED = 0.25  # share of its bend by which an arc may fail to be its own mirr
 REACH = 7.0  # steps: a cycle that seems to lie further off is not looked for
 DIFFERENCES = tuple(10.0**-e for e in range(7, 13))  # of the parameter, over the bracket ...
 ALIKE = 1e-2  # ... the first for which the rates to both sides differ by no more than this share
+FLAT = 1e-4  # ... or than this, over the whole bracket
 JUMPED = 10.0  # of the change to one side of the parameter: one so much greater is a jump
 MOST_POINTS = 800
 TRIES = 5  # steps tried, per point allowed
@@ -220,7 +221,7 @@ def _jacobian(
     values, rates = frame.values(here, own), []
     for shift in DIFFERENCES:
         rates = list(_rates(line, frame, own, value, here.events, values, shift * line.span))
-        if len(rates) == 2 and _are_alike(*rates):
+        if len(rates) == 2 and _are_alike(*rates, line.span):
             break
     if not rates:
         return None
@@ -244,12 +245,14 @@ def _rates(
             yield (frame.values(beside, own) - values) / (there - value)
 
 
-def _are_alike(one: Vector, other: Vector) -> bool:
+def _are_alike(one: Vector, other: Vector, span: float) -> bool:
     """Whether rates to both sides differ by so little that their mean is right to its square.
 
-    Beside a grazing they do not: there the conditions bend within ever shorter stretches.
+    Beside a grazing they do not: there the conditions bend within ever shorter stretches. Where the
+    parameter changes next to nothing, rounding alone differs, and more so closer by.
     """
-    return bool(np.linalg.norm(one - other) <= ALIKE * np.linalg.norm(one + other))
+    apart, size = (float(np.linalg.norm(by)) for by in (one - other, one + other))
+    return apart <= max(ALIKE * size, FLAT / span)
 
 
 def _rate(rates: Sequence[Vector]) -> Vector:
