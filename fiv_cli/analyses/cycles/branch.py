@@ -221,7 +221,7 @@ def _jacobian(
     values, rates = frame.values(here, own), []
     for shift in DIFFERENCES:
         rates = list(_rates(line, frame, own, value, here.events, values, shift * line.span))
-        if len(rates) == 2 and _are_alike(*rates, line.span):
+        if len(rates) == 2 and _are_alike(rates[0], rates[1], line.span):
             break
     if not rates:
         return None
