@@ -259,7 +259,7 @@ def _draw_cycles(
     Of a cycle that is not known there the least and the greatest, and only if it is unstable: the
     marks of a stable one lie elsewhere.
     """
-    whose, observed = layer.label, _observed(layer.dataset[name])
+    observed = _observed(layer.dataset[name])
     extremes_of = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}${where}"
     colours = points.colours([ax])
     for dataset in datasets:
@@ -270,44 +270,51 @@ def _draw_cycles(
         for own, word, x, heights in _cycles(dataset, axis, observed, at_section):
             if word not in told:
                 continue
-            place = points.joined(whose, _place_in(layer.dataset, own, str(axis.dims[0])))
-            colour = _colour_of((place, whose), colours)
+            place, colour = _whose(layer, own, axis, colours)
             look: dict[str, Any] = {"ls": CYCLES[word], "lw": 1.2, "zorder": 1.5}
             if told[word] not in [line.get_label() for line in ax.lines]:
                 ax.plot([], [], color=style.BLACK, label=told[word], **look)
             for height in heights:
                 ax.plot(x, height, color=colour, label=points.unlisted(place, told[word]), **look)
-        if (
-            at_section
-            and "cycle_end_kind" in dataset
-            and branch.is_along(dataset, str(axis.name), observed)
-        ):
-            for line in points.lines(dataset, [], points.grid_dims(dataset)):
-                own = dataset.isel(line.index)
-                place = points.joined(whose, _place_in(layer.dataset, own, str(axis.dims[0])))
-                colour = _colour_of((place, whose), colours)
-                branch.draw_marks(ax, dataset, line.index, colour, place, MARK, at_section=True)
-            branch.name_marks(ax, [dataset])
+        tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
+        if at_section and tells:
+            _mark_changes(ax, dataset, axis, layer, colours)
+
+
+def _mark_changes(
+    ax: Axes,
+    dataset: xr.Dataset,
+    axis: xr.DataArray,
+    layer: points.Layer,
+    colours: Mapping[str, ColorType],
+) -> None:
+    """A mark at each change and end of branches, in the colour of their diagram."""
+    for line in points.lines(dataset, [], points.grid_dims(dataset)):
+        place, colour = _whose(layer, dataset.isel(line.index), axis, colours)
+        branch.draw_marks(ax, dataset, line.index, colour, place, MARK, at_section=True)
+    branch.name_marks(ax, [dataset])
+
+
+def _whose(
+    layer: points.Layer, own: xr.Dataset, axis: xr.DataArray, colours: Mapping[str, ColorType]
+) -> tuple[str, ColorType]:
+    """Which of a diagram's parameters a cycle is of, and the colour of these; black without any."""
+    place = points.joined(layer.label, _place_in(layer.dataset, own, str(axis.dims[0])))
+    for words in ({*one.split(", ")} for one in (place, layer.label) if one):
+        for entry, colour in colours.items():
+            if words <= {*entry.split(", ")}:
+                return place, colour
+    return place, style.BLACK
 
 
 def _place_in(diagram: xr.Dataset, own: xr.Dataset, along: str) -> str:
     """What the lines of a diagram that are at the parameters of a cycle are called by these."""
     for line in points.lines(diagram, [along, "initial"], points.grid_dims(diagram)):
         there = diagram.isel(line.index).coords
-        known = [name for name in there if name in own.coords and not there[name].ndim]
-        pairs = [(there[name].item(), own[name].item()) for name in known if not own[name].ndim]
-        if all(one == other for one, other in pairs):
+        known = [n for n in there if n in own.coords and not there[n].ndim and not own[n].ndim]
+        if all(there[name].item() == own[name].item() for name in known):
             return line.label
     return ""
-
-
-def _colour_of(places: Sequence[str], colours: Mapping[str, ColorType]) -> ColorType:
-    """That of the first entry in the legend that is of one of these places; black without any."""
-    for words in ({*place.split(", ")} for place in places if place):
-        for entry, own in colours.items():
-            if words <= {*entry.split(", ")}:
-                return own
-    return style.BLACK
 
 
 def _of_one_section(dataset: xr.Dataset, diagram: xr.Dataset) -> bool:
