@@ -493,6 +493,19 @@ def test_the_end_of_a_branch_that_runs_along_a_grazing_lies_within_its_error(wid
     assert -at_zero / slope == pytest.approx(0.1924985, abs=1e-6)
 
 
+@pytest.mark.parametrize("width", [1e-9, 1e-11])
+def test_a_branch_does_not_step_aside_where_its_multiplier_grows_without_bound(
+    width: float,
+) -> None:
+    """A cycle of multiplier 1.47 lies beside one of 34,716, and turns: no end of its branch."""
+    changes = {"Omega": 2.0, "N0": 28.0, "solver": SolverSettings(rtol=1e-11)}
+    branch = ("Omega", 0.1, 20.0)
+    found = cycle("pin-on-disc", start={"phi_dot": 2.0}, branch=branch, width=width, **changes)
+    assert found.values["cycle_lowest_kind"] == "grazing"
+    assert abs(found.values["cycle_lowest"] - 0.215275) <= found.values["cycle_lowest_error"] < 1e-4
+    assert found.ragged["branch_multiplier"][np.argmin(found.ragged["branch_value"])] > 1e3
+
+
 @pytest.mark.campaign
 @pytest.mark.parametrize("seed", range(40))
 def test_ends_agree_within_their_errors_whatever_the_bracket_and_the_width(seed: int) -> None:

@@ -255,12 +255,15 @@ def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> 
     most = letters(figure) - KEY_LETTERS
     words = [_folded(str(handle.get_label()), most) for handle in handles]
     columns = columns_of(words, int(NARROWER * letters(figure)))
-    if words:
-        even_keys(
-            figure.legend(
-                handles, words, loc="outside lower center", ncols=columns, title=title or None
-            )
+    while words:
+        legend = figure.legend(
+            handles, words, loc="outside lower center", ncols=columns, title=title or None
         )
+        even_keys(legend)
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            break
+        legend.remove()
+        columns -= 1
     rows = [sum(1 + word.count("\n") for word in part) for part in _parted(words, columns)]
     make_room(figure, bool(title) + max(rows, default=0))
 

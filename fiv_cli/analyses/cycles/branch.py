@@ -367,6 +367,8 @@ def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
     """
     if before.cycle.signature != point.cycle.signature:
         return point
+    if before.cycle.largest > max(UNBOUND, JUMPED * point.cycle.largest):
+        return None  # a multiplier without bound does not fall at once: another cycle
     ahead, onward = gone * before.slope, before.slope * point.slope
     if ahead < 0.0 < onward:
         return None
@@ -655,9 +657,9 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
         seen = seen and middle is not None
         length = _aim(here, there, away, beyond=False) if seen else 0.5 * length
     found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
+    width, kind = 0.5 * reach_of(line, here, length), _kind_of_change(here, there)
     if not found:
         return None, here, length
-    width, kind = 0.5 * reach_of(line, here, length), _kind_of_change(here, there)
     value = middle_of(line, here, length)
     end = End(value, width, kind, way_of(here), True, here, walk.well, there)
     return end, there, max(length, FIRST * SHRUNK)
