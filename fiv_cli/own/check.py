@@ -29,7 +29,7 @@ from fiv_cli.own.equations import (
     unused_parameters,
     without_series,
 )
-from fiv_cli.own.fault import Fault, named, none_called
+from fiv_cli.own.fault import Fault, named, none_called, shown
 from fiv_cli.own.lines import Lines
 from fiv_cli.own.mechanics import energies, mechanics
 from fiv_cli.own.tables import tables_of_law, tables_of_model, twice, types_of_law, types_of_model
@@ -173,6 +173,22 @@ def _begins(law: Law) -> Iterator[Fault]:
         found = found.diff(slip.v)
 
 
+def _signed_powers(law: Law) -> Iterator[Fault]:
+    """A power with an exponent that is no fixed whole number is one of |v|: v itself has a sign."""
+    if law.pieces:
+        return
+    slip, parameters = _symbols_of(law)
+    values = {symbol: law.defaults[name] for name, symbol in parameters.items()}
+    back = {slip.v: -1, slip.speed: 1, slip.sign: -1, slip.N: 1, **values}
+    for power in sympy.sympify(law.force(slip, parameters)).atoms(sympy.Pow):
+        base = power.base.subs(back)
+        if not power.exp.is_Integer and slip.v in power.base.free_symbols and base.is_negative:
+            message = f"{shown(power)}: a power of what is negative where v is"
+            hint = "slip.speed is |v|; slip.v has a sign"
+            yield Fault(("Law", law.name, "force"), message, "", hint)
+            return
+
+
 def _opposes_slip(law: Law) -> Iterator[Fault]:
     """The force of steady slip is along v_rel, and stick bears what slip begins with."""
     if law.pieces:
@@ -276,5 +292,6 @@ _OF_LAWS = (
     _rests,
     _begins,
     _opposes_slip,
+    _signed_powers,
     _unused_parameters,
 )

@@ -159,7 +159,8 @@ def figures_called(source: Source, name: str) -> list[FigureSpec]:
     named = [figure for figure in figures if figure.name == name]
     named = named or [figure for figure in figures if figure.kind == name]
     names = [figure.name for figure in figures]
-    pick(name, dict.fromkeys([*names, *KINDS]), "figure, nor kind of figure,", "fiv kinds")
+    following = "fiv kinds figure; of one that the case has got since it ran, run it again first"
+    pick(name, dict.fromkeys([*names, *KINDS]), "figure, nor kind of figure,", following)
     return named or [FigureSpec(name, name, {})]
 
 
