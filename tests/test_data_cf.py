@@ -96,12 +96,14 @@ def test_every_kind_of_dataset_follows_the_conventions(written: Path) -> None:
 
 
 def test_a_checker_of_others_has_nothing_to_say(written: Path) -> None:
-    """But that names differ in more than their case (2.3, a recommendation), and that whatever is
-    called `time` begins at a date: by 4.4 what counts in plain seconds is none of its time axes."""
-    checker = pytest.importorskip("compliance_checker.runner")
-    checker.CheckSuite().load_all_available_checkers()
+    """But that the thesis has an m beside an M (2.3, a recommendation), and that what is called
+    `time` begins at a date. By 2.3 names mean nothing, and by 4.4 what counts in plain seconds is
+    no time coordinate: the checker's authors take that rule out (their issue 1245)."""
+    from compliance_checker.runner import CheckSuite, ComplianceChecker
+
+    CheckSuite().load_all_available_checkers()
     report = written.with_suffix(".json")
-    checker.ComplianceChecker.run_checker(
+    ComplianceChecker.run_checker(
         str(written), ["cf:1.11"], 0, "strict", output_filename=str(report), output_format="json"
     )
     (told,) = json.loads(report.read_text()).values()
