@@ -8,7 +8,8 @@ stretch that it lies in is as wide as what was decided on both sides says.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -44,6 +45,9 @@ SAFETY = 2.0
 
 WIDENING = 4.0
 """Growth of the distance at which a change is looked for that closer looks find elsewhere."""
+
+NARROWER = 4.0
+"""How much more closely than a change the end of its branch is looked for by closer looks."""
 
 Looking = Callable[[float, Look | None], Look]
 """Looks at a value, going on from an earlier look, or (None) from the start."""
@@ -339,36 +343,59 @@ class _Branch:
 
 
 def confirmed_within(
-    change: Change, look: Looking, origin: Look | None, limits: tuple[float, float]
+    change: Change,
+    look: Looking,
+    origin: Look | None,
+    limits: tuple[float, float],
+    foresee: Foreseeing = unforeseen,
 ) -> float:
     """Distance from the middle of a change within which closer looks find it, too.
 
     Both sides are looked at again, and then ever farther from the middle until the answer is what
-    it was. NaN where a side is open, or the limits are reached before.
+    it was; where looks go on from one another, the end of the branch is looked for in between. NaN
+    where a side is open, or the limits are reached before.
 
     Parameters
     ----------
     look : closer than those that found the change
     origin : what each look goes on from; None: the start
     limits : values that may be looked at
+    foresee : where a branch leads, see `branch_end`
     """
     if not change.decided:
         return float("nan")
-    sides = (change.low, change.high)
-    return float(np.max([_held_from(side, change, look, origin, limits) for side in sides]))
+    closer = partial(_held, change=change, look=look, limits=limits)
+    before, after = closer(change.before, origin), closer(change.after, origin)
+    sides = [before, after]
+    if origin is not None and before is not None:
+        width = change.after.value - change.before.value
+        well_before = look(float(np.clip(before.value - width, *limits)), before)
+        on_it, limit = [well_before, before], limits[width > 0.0]
+        while after is not None:
+            end = branch_end(on_it, after, limit, look, change.width / NARROWER, foresee)
+            if isinstance(end, Change):
+                sides += [end.before, end.after]
+                break
+            on_it.append(end)  # closer looks are on the branch still
+            after = closer(replace(change.after, value=end.value), end)
+            sides.append(after)
+    off = [float("nan") if one is None else abs(one.value - change.middle) for one in sides]
+    return float(np.max(off))
 
 
-def _held_from(
-    side: Look, change: Change, look: Looking, origin: Look | None, limits: tuple[float, float]
-) -> float:
-    """Distance from the middle of a change at which the answer is that of a side of it."""
+def _held(
+    side: Look, origin: Look | None, change: Change, look: Looking, limits: tuple[float, float]
+) -> Look | None:
+    """A look at a side of a change, or ever farther from its middle, with the answer there."""
     value, away = side.value, side.value - change.middle
-    while look(value, origin).answer != side.answer:
+    here = look(value, origin)
+    while here.answer != side.answer:
         if value in limits:
-            return float("nan")
+            return None
         away *= WIDENING
         value = min(max(change.middle + away, limits[0]), limits[1])
-    return abs(value - change.middle)
+        here = look(value, origin)
+    return here
 
 
 def _next_value(before: Look, inside: Sequence[Look], after: Look, width: float) -> float | None:

@@ -218,7 +218,7 @@ def _error(bracket: tuple[float, float], closer: _Runs, change: Change, way: str
     origin = None if way == "none" else change.before
     if origin is not None and origin.carry is None:  # nothing to go on from
         return float("nan")
-    away = confirmed_within(change, closer.look, origin, bracket)
+    away = confirmed_within(change, closer.look, origin, bracket, foreseen)
     return (1.0 + CLOSER) * away + closer.request.solver.rtol * float(np.max(np.abs(bracket)))
 
 
