@@ -606,6 +606,17 @@ section = {text}
     def test_bad(self, text: str, fragment: str) -> None:
         assert any(fragment in problem.message for problem in problems(self.section(text)))
 
+    @pytest.mark.parametrize("model", ["belt-1dof", "pin-on-disc"])
+    def test_what_cannot_separate_has_no_impact(self, model: str) -> None:
+        (told,) = problems(self.section('{ event = "impact" }', model))
+        assert told.message == f"contact 1 of {model} never separates, so impact never happens"
+
+    @pytest.mark.parametrize("law", ["coulomb", "tanh"])
+    @pytest.mark.parametrize("model", ["belt-5dof", "disc-nonlinear-contact"])
+    def test_what_separates_has_impacts_under_every_law(self, model: str, law: str) -> None:
+        text = self.section('{ event = "impact" }', model) + f"[friction]\nlaw = '{law}'"
+        assert parse(text).analyses[0].settings["section"] == Section("event", event="impact")
+
     def test_a_law_that_never_sticks_has_no_stick_event(self) -> None:
         asked = '"response"\nsection = { event = "slip->stick" }'
         text = belt("[friction]", 'law = "tanh"').replace('"history"\nt_end = 30', asked)

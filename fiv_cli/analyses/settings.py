@@ -83,6 +83,10 @@ class Known(Protocol):
         """The model."""
 
     @property
+    def options(self) -> Mapping[str, str]:
+        """Every option of the model."""
+
+    @property
     def laws(self) -> Sequence[Law]:
         """The friction laws in use."""
 
@@ -567,13 +571,21 @@ class SectionSetting(TableSetting):
 
 
 def _check_event(section: Section, known: Known) -> Iterator[Refusal]:
-    contacts = known.model.contacts
-    if not 1 <= section.contact <= contacts:
-        message = f"there is no contact {section.contact}"
-        yield Refusal(message, f"1 to {contacts}", place=("contact",))
-    creeping = [law.name for law in known.laws if law.capacity is None]
-    if creeping:
-        message = f"the law {creeping[0]!r} never sticks, so {section.event} never happens"
+    from fiv_cli.models.symbols import Symbols  # SymPy
+
+    model, number = known.model, section.contact
+    if not 1 <= number <= model.contacts:
+        yield Refusal(f"there is no contact {number}", f"1 to {model.contacts}", place=("contact",))
+        return
+    contact = model.equations(Symbols(), known.options).contacts[number - 1]
+    named = f"contact {number} of {model.name}"
+    why = [f"the law {law.name!r} never sticks" for law in known.laws if law.capacity is None]
+    if contact.is_stop or contact.sliding_only:
+        why = [f"{named} never sticks"]
+    if section.event == "impact":
+        why = [f"{named} never separates"] if contact.gap is None else []
+    if why:
+        message = f"{why[0]}, so {section.event} never happens"
         other = f'give another: section = {{ zero = "{next(iter(_velocities(known)))}" }}'
         yield Refusal(message, suggestion=other)
 
