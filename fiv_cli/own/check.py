@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import partial
 from math import isnan, nan
 
+import numpy as np
 import sympy
 from sympy import Expr
 
@@ -40,6 +41,7 @@ _SLIP = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
 
 SLOW = 1e-3  # m/s, of a slip that no law is known to drive
 FAST = 1.0  # m/s, at which both sides are compared
+FASTEST = 100.0  # m/s, up to which a law is looked at
 ROUNDING = 1e-12
 ALIKE = 1e-9  # of the larger force
 
@@ -189,6 +191,31 @@ def _signed_powers(law: Law) -> Iterator[Fault]:
             return
 
 
+def _bounded(law: Law) -> Iterator[Fault]:
+    """What the force is divided by vanishes at no speed."""
+    if law.pieces or law.states:
+        return
+    slip, parameters = _symbols_of(law)
+    values = {symbol: law.defaults[name] for name, symbol in parameters.items()}
+    for power in sympy.sympify(law.force(slip, parameters)).atoms(sympy.Pow):
+        for sign in (1, -1) if power.exp.subs(values).is_negative else ():
+            along = {slip.v: sign * slip.speed, slip.sign: sign, slip.N: 1, **values}
+            if (v := _sign_change(power.base.subs(along), slip.speed)) is not None:
+                message = f"near v = {sign * v:.2g} m/s F_T has no bound: it has {shown(power)}"
+                hint = "divide by what vanishes at no speed"
+                yield Fault(("Law", law.name, "force"), message, "", hint)
+                return
+
+
+def _sign_change(expression: Expr, speed: Expr) -> float | None:
+    """The first speed, m/s, at which an expression has another sign; None where it keeps it."""
+    speeds = np.geomspace(SLOW, FASTEST, 2000)
+    with np.errstate(all="ignore"):
+        found = np.sign(sympy.lambdify(speed, expression, "numpy")(speeds))
+    changes = np.flatnonzero(np.diff(np.broadcast_to(found, speeds.shape)))
+    return float(speeds[changes[0]]) if changes.size else None
+
+
 def _opposes_slip(law: Law) -> Iterator[Fault]:
     """The force of steady slip is along v_rel, and stick bears what slip begins with."""
     if law.pieces:
@@ -293,5 +320,6 @@ _OF_LAWS = (
     _begins,
     _opposes_slip,
     _signed_powers,
+    _bounded,
     _unused_parameters,
 )
