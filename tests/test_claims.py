@@ -388,10 +388,14 @@ def test_where_a_class_begins_and_ends_along_the_axis(take, value):
     found = tried(sweep(PERIODIC), "attractor", **said)
     end = " (an end of the axis)" * (value in (0.1, 1.0))  # where there may be no border
     assert (found.verdict, found.found) == (CONFIRMED, f"1 of 1 points, found {value:g}{end}")
-    said["expect"] = {"value": value + 0.05, "tolerance": 0.01}
-    found = tried(sweep(PERIODIC), "attractor", **said)
-    assert found.verdict == CONTRADICTED
-    assert "mu_k goes in steps of 0.1: a `boundary` finds what lies between" in found.found
+    onward = 0.05 if take["what"] == "last" else -0.05
+    for off, verdict in ((-onward, CONTRADICTED), (onward, UNDETERMINED)):
+        said["expect"] = {"value": value + off, "tolerance": 0.01}
+        found = tried(sweep(PERIODIC), "attractor", **said)
+        assert found.verdict == verdict
+        assert "mu_k goes in steps of 0.1: a `boundary` finds what lies between" in found.found
+        between = "1 may lie where it is expected, off the values of the axis"
+        assert (between in found.found) == (verdict == UNDETERMINED)
 
 
 @pytest.mark.parametrize(

@@ -108,6 +108,7 @@ class _Trial:
     noun : what is counted
     empty : which of those missed have no value to try it on, their rows
     held : the values that are as expected, in words
+    between : how many of the open ones may be as expected between two values of an axis
     """
 
     hit: np.ndarray
@@ -119,6 +120,7 @@ class _Trial:
     noun: str = "points"
     empty: Sequence[int] = ()
     held: str = ""
+    between: int = 0
 
 
 @dataclass(frozen=True)
@@ -311,7 +313,13 @@ def evaluate(
         on_axes = {axis: claim.at[axis] for axis in claim.at if axis not in of_results}
         part, variable = _asked(dataset, replace(claim, at=on_axes), drawn)
         part = _narrowed(part, of_results)
-        trial = _try(claim, part, variable, lambda case: other(case) if case else analyses)
+        stored: Stored = lambda case: other(case) if case else analyses  # noqa: E731
+        trial = _try(claim, part, variable, stored)
+        if claim.take.get("what") in ("first", "last"):
+            onward = _try(claim, _up_to_the_next(dataset, part, claim.take), variable, stored)
+            between = ~trial.hit & ~trial.open & (onward.hit | onward.open)
+            unsure = {"open": trial.open | between, "blurred": trial.blurred | between}
+            trial = replace(trial, **unsure, between=int(between.sum()))
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
@@ -324,10 +332,11 @@ def evaluate(
         asked = ", ".join(f"{one} = {json.dumps(of_results[one])}" for one in of_results)
         verdict = replace(verdict, found=f"{verdict.found}: no value has {asked}")
     hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
-    if verdict.verdict == UNDETERMINED and trial.blurred.any():
+    if verdict.verdict == UNDETERMINED and trial.blurred.sum() > trial.between:
         more = _sharpened(name, dataset, part.get(f"{variable}_width"))
         hint = f", {more}{hint}"
-    if verdict.verdict == CONTRADICTED and claim.take.get("what") in ("first", "last"):
+    is_place = claim.take.get("what") in ("first", "last")
+    if is_place and (trial.between or verdict.verdict == CONTRADICTED):
         hint += _steps_between(dataset, claim.take)
     of_share = margin if margin > 0.0 else None
     return replace(verdict, found=f"{verdict.found}{hint}", standard_error=of_share)
@@ -398,6 +407,26 @@ def _ends(part: xr.Dataset, take: Mapping[str, Any]) -> dict[str, Any]:
     """The end of the axis that a first or last place may lie at, and then is no border."""
     end = {"first": 0, "last": -1}.get(take["what"])
     return {} if end is None else {END: select.axis_of(part, *take["over"]).values[end]}
+
+
+def _up_to_the_next(dataset: xr.Dataset, part: xr.Dataset, take: Mapping[str, Any]) -> xr.Dataset:
+    """First or last places as intervals: to the next value of the axis, which is none, or its end.
+
+    What holds to the end of the axis may hold beyond.
+    """
+    what, axis = take["what"], select.axis_of(dataset, *take["over"])
+    along = axis.values if what == "last" else axis.values[::-1]
+    beyond = math.copysign(math.inf, along[-1] - along[0])
+    following = dict(zip(along, [*along[1:], beyond], strict=True))
+    ends = ends_of(part, what)
+    onward = [xr.apply_ufunc(np.vectorize(lambda x: following.get(x, x)), end) for end in ends]
+    low, high = np.fmin(*ends), np.fmax(*ends)
+    return part.assign(
+        {
+            f"{what}_low": np.fmin(low, np.fmin(*onward)),
+            f"{what}_high": np.fmax(high, np.fmax(*onward)),
+        }
+    )
 
 
 def _steps_between(dataset: xr.Dataset, take: Mapping[str, Any]) -> str:
@@ -472,9 +501,11 @@ def _needed(holds: str | float, points: int) -> int:
 
 def _finding(trial: _Trial, hits: int, points: int, why_open: str) -> str:
     parts = [f"{hits} of {points} {trial.noun}", trial.found, why_open]
-    blurred = int(trial.blurred.sum())
+    blurred = int(trial.blurred.sum()) - trial.between
     if blurred:
         parts.append(f"{blurred} not known well enough: the error reaches past what is expected")
+    if trial.between:
+        parts.append(f"{trial.between} may lie where it is expected, off the values of the axis")
     parts.append(_where_missed(trial))
     return ", ".join(part for part in parts if part)
 
