@@ -179,9 +179,10 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "no_section_points",
-        "the motion never met the section: leave it out, and the motion chooses one that it has; "
-        'or name another, such as section = { zero = "x_dot" } for a displacement x, or of an '
-        "event, which is that of contact 1 unless the section says contact = 2",
+        "the motion never met the section: where the case names none, raise t_max; where it does, "
+        "leave it out, and the motion chooses one that it has; or name another, such as section = "
+        '{ zero = "x_dot" } for a displacement x, or of an event, which is that of contact 1 '
+        "unless the section says contact = 2",
     ),
     Reason(
         "window_too_long",

@@ -384,18 +384,30 @@ def where(what, of="periodic"):
     ],
 )
 def test_where_a_class_begins_and_ends_along_the_axis(take, value):
-    said = {"expect": {"value": value, "tolerance": 0.01}, "take": take}
-    found = tried(sweep(PERIODIC), "attractor", **said)
-    end = " (an end of the axis)" * (value in (0.1, 1.0))  # where there may be no border
-    assert (found.verdict, found.found) == (CONFIRMED, f"1 of 1 points, found {value:g}{end}")
-    onward = 0.05 if take["what"] == "last" else -0.05
-    for off, verdict in ((-onward, CONTRADICTED), (onward, UNDETERMINED)):
-        said["expect"] = {"value": value + off, "tolerance": 0.01}
-        found = tried(sweep(PERIODIC), "attractor", **said)
-        assert found.verdict == verdict
-        assert "mu_k goes in steps of 0.1: a `boundary` finds what lies between" in found.found
-        between = "1 may lie where it is expected, off the values of the axis"
-        assert (between in found.found) == (verdict == UNDETERMINED)
+    """Between there and the next value of the axis, or beyond its end."""
+    onward = 0.1 if take["what"] == "last" else -0.1
+    at_end = value in (0.1, 1.0)
+    beyond = "greater_than" if onward > 0.0 else "less_than"
+    within = sorted((value, value + onward))
+    for expect, verdict in (
+        ({beyond: value - 0.01 * onward}, CONFIRMED),
+        ({"between": within}, UNDETERMINED if at_end else CONFIRMED),
+        ({"value": value, "tolerance": 0.01}, UNDETERMINED),
+        ({"value": value + 0.5 * onward, "tolerance": 0.01}, UNDETERMINED),
+        ({"value": value - 0.5 * onward, "tolerance": 0.01}, CONTRADICTED),
+    ):
+        found = tried(sweep(PERIODIC), "attractor", expect, take=take)
+        assert (found.verdict, expect) == (verdict, expect)
+        between = "1 may lie anywhere up to the next value of the axis" in found.found
+        steps = "mu_k goes in steps of 0.1: a `boundary` finds what lies between" in found.found
+        assert (between, steps) == (verdict == UNDETERMINED, verdict != CONFIRMED)
+        assert f"found {value:g}" + " (an end of the axis)" * at_end in found.found
+
+
+def test_a_place_that_there_is_not_is_no_border():
+    expect, take = {"value": 0.5, "tolerance": 0.1}, where("last", "diverged")
+    found = tried(sweep(PERIODIC), "attractor", expect, take=take)
+    assert found.verdict == CONTRADICTED and "boundary" not in found.found
 
 
 @pytest.mark.parametrize(
@@ -405,7 +417,7 @@ def test_an_undecided_point_matters_only_where_it_could_come_first(place, verdic
     """Periodic from 0.4 to 0.7: from there on it cannot matter, before or there it can."""
     classes = [*PERIODIC]
     classes[place] = "undecided"
-    expect = {"value": 0.4, "tolerance": 0.01}
+    expect = {"between": [0.3, 0.4]}
     assert tried(sweep(classes), "attractor", expect, take=where("first")).verdict == verdict
 
 
@@ -704,7 +716,7 @@ def test_the_ledger_tells_source_text_verdict_and_finding(workplace):
 
 def test_a_case_may_claim_where_a_class_occurs(workplace):
     take = 'take = { what = "first", of = "periodic", over = "mu_k" }'
-    expect = f"expect = {{ value = 0.2, tolerance = 0.01 }}\n{take}"
+    expect = f"expect = {{ between = [0.1, 0.2] }}\n{take}"
     (workplace / "stick.toml").write_text(CASE.replace('expect = "periodic"', expect))
     store(["equilibrium", "periodic", "periodic"])
     assert "confirmed" in run("stick.toml").output

@@ -93,8 +93,14 @@ TAKES = {
         ("of", "over", "relative_to"),
     ),
     "entries": ("how often `of` comes to hold along an axis", ("of", "over")),
-    "first": ("where along an axis `of` holds first", ("of", "over")),
-    "last": ("where along an axis `of` holds last: a border that was found", ("of", "over")),
+    "first": (
+        "where along an axis `of` holds first: from there back to the value before",
+        ("of", "over"),
+    ),
+    "last": (
+        "where along an axis `of` holds last: from there on to the next value",
+        ("of", "over"),
+    ),
     "classes": (
         "how many classes there are; over the starts: where there are 2, what is reached depends "
         "on the start",

@@ -203,6 +203,8 @@ def _of_files(
             which = default if len(sources) == 1 else f"figure {figure.name} of all files"
             left_out.append(type(error)(f"{which}: not written: {error}"))
     if not drawn:
+        for one in left_out[1:]:
+            click.echo(one, err=True)
         raise left_out[0] if left_out else nothing_suits(read_analyses(files[0]))
     wrong = [error for error in left_out if not isinstance(error, EmptyFigureError)]
     undrawn += wrong[-1:]

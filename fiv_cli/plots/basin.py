@@ -96,7 +96,8 @@ def _components(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, st
             "next: draw a curve, or give [[initial]] a box in two states"
         )
     x = str(settings.get("x", free[0] if free else known[0]))
-    partner = f"{x}_dot" if f"{x}_dot" in free else next(name for name in [*free, x] if name != x)
+    others = (name for name in free if name != x)
+    partner = f"{x}_dot" if f"{x}_dot" in free else next(others, x)
     return x, str(settings.get("y", partner))
 
 

@@ -108,7 +108,7 @@ class _Trial:
     noun : what is counted
     empty : which of those missed have no value to try it on, their rows
     held : the values that are as expected, in words
-    between : how many of the open ones may be as expected between two values of an axis
+    between : how many are open only for what lies between two values of the axis
     """
 
     hit: np.ndarray
@@ -315,11 +315,9 @@ def evaluate(
         part = _narrowed(part, of_results)
         stored: Stored = lambda case: other(case) if case else analyses  # noqa: E731
         trial = _try(claim, part, variable, stored)
-        if claim.take.get("what") in ("first", "last"):
-            onward = _try(claim, _up_to_the_next(dataset, part, claim.take), variable, stored)
-            between = ~trial.hit & ~trial.open & (onward.hit | onward.open)
-            unsure = {"open": trial.open | between, "blurred": trial.blurred | between}
-            trial = replace(trial, **unsure, between=int(between.sum()))
+        if is_place := claim.take.get("what") in ("first", "last"):
+            reaching = _up_to_the_next(dataset, part, claim.take)
+            trial = _between(trial, _try(claim, reaching, variable, stored))
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
@@ -335,8 +333,8 @@ def evaluate(
     if verdict.verdict == UNDETERMINED and trial.blurred.sum() > trial.between:
         more = _sharpened(name, dataset, part.get(f"{variable}_width"))
         hint = f", {more}{hint}"
-    is_place = claim.take.get("what") in ("first", "last")
-    if is_place and (trial.between or verdict.verdict == CONTRADICTED):
+    is_missed = verdict.verdict == CONTRADICTED and bool(part[variable].notnull().any())
+    if is_place and (trial.between or is_missed):
         hint += _steps_between(dataset, claim.take)
     of_share = margin if margin > 0.0 else None
     return replace(verdict, found=f"{verdict.found}{hint}", standard_error=of_share)
@@ -409,6 +407,15 @@ def _ends(part: xr.Dataset, take: Mapping[str, Any]) -> dict[str, Any]:
     return {} if end is None else {END: select.axis_of(part, *take["over"]).values[end]}
 
 
+def _between(trial: _Trial, onward: _Trial) -> _Trial:
+    """A trial of places of which some may lie elsewhere up to the next value of the axis."""
+    between = ~trial.open & (onward.open | (onward.hit != trial.hit))
+    hit, blurred = trial.hit & ~between, trial.blurred | between
+    return replace(
+        trial, hit=hit, open=trial.open | between, blurred=blurred, between=int(between.sum())
+    )
+
+
 def _up_to_the_next(dataset: xr.Dataset, part: xr.Dataset, take: Mapping[str, Any]) -> xr.Dataset:
     """First or last places as intervals: to the next value of the axis, which is none, or its end.
 
@@ -417,7 +424,7 @@ def _up_to_the_next(dataset: xr.Dataset, part: xr.Dataset, take: Mapping[str, An
     what, axis = take["what"], select.axis_of(dataset, *take["over"])
     along = axis.values if what == "last" else axis.values[::-1]
     beyond = math.copysign(math.inf, along[-1] - along[0])
-    following = dict(zip(along, [*along[1:], beyond], strict=True))
+    following = dict(zip(along, np.nextafter([*along[1:], beyond], along), strict=True))
     ends = ends_of(part, what)
     onward = [xr.apply_ufunc(np.vectorize(lambda x: following.get(x, x)), end) for end in ends]
     low, high = np.fmin(*ends), np.fmax(*ends)
@@ -505,7 +512,7 @@ def _finding(trial: _Trial, hits: int, points: int, why_open: str) -> str:
     if blurred:
         parts.append(f"{blurred} not known well enough: the error reaches past what is expected")
     if trial.between:
-        parts.append(f"{trial.between} may lie where it is expected, off the values of the axis")
+        parts.append(f"{trial.between} may lie anywhere up to the next value of the axis")
     parts.append(_where_missed(trial))
     return ", ".join(part for part in parts if part)
 
