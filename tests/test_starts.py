@@ -100,6 +100,44 @@ def test_motions_and_spectrograms_keep_their_starts_too() -> None:
     xr.testing.assert_identical(motion["initial_state"], results["spectrogram"]["initial_state"])
 
 
+HALVES = """
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = [1.0]
+omega = [1.0, 2.0]
+[[initial]]
+label = "begun"
+kind = "state"
+state = { x = 6.0 }
+[[initial]]
+label = "on"
+kind = "continue"
+along = "omega"
+from = "begun"
+on_loss = "go-on"
+[[analysis]]
+kind = "history"
+t_end = 8.0
+sample = 0.5
+"""
+
+
+def test_a_motion_goes_on_from_the_end_of_the_one_before() -> None:
+    """The base is at rest, so that its frequency changes nothing: two halves are the whole."""
+    case = tomllib.loads(HALVES)
+    first, second = (
+        api.run(api.load(case), workers=1).sel(initial="on", omega=omega, v=1.0)
+        for omega in (1.0, 2.0)
+    )
+    case["analysis"][0]["t_end"] = 16.0
+    whole = api.run(api.load(case), workers=1).sel(initial="begun", omega=1.0, v=1.0)
+    halves = np.concatenate([first["x"], second["x"][1:]])
+    np.testing.assert_allclose(halves, whole["x"], atol=1e-9)
+    assert {*whole["contact_state"].values.tolist()} > {0}  # it sticks and slips
+
+
 SWEPT = """
 schema = 1
 [model]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -27,6 +27,7 @@ __all__ = [
     "at_once",
     "balance",
     "beginning",
+    "carried",
     "equilibria",
     "impacts",
     "initial_state",
@@ -132,6 +133,15 @@ def beginning(system: System, request: Request, equilibrium: Vector | None) -> B
     if described is None:
         return Outcome(status="failed", reason=why_none(sliding(system, parameters)))
     return Beginning(parameters, described)
+
+
+def carried(attractor: str, state: Vector, sticking: Iterable[bool]) -> dict[str, object]:
+    """What a point leaves to its neighbour on a chain; of a motion without a class, none."""
+    return {
+        "attractor": attractor,
+        "state": state.tolist(),
+        "sticking": [int(one) for one in sticking],
+    }
 
 
 def initial_state(motion: Motion) -> Vector:

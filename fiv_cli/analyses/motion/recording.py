@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Columns, Outcome, Request, Settings
-from fiv_cli.analyses.common import Balance, beginning, rest_of, start_motion, stopped
+from fiv_cli.analyses.common import Balance, beginning, carried, rest_of, start_motion, stopped
 from fiv_cli.analyses.rest.surface import Place, weights
-from fiv_cli.codegen.codes import CODE_PIECE, ENERGY_OUTPUTS, PER_CONTACT
+from fiv_cli.codegen.codes import CODE_PIECE, CODE_STICK, ENERGY_OUTPUTS, PER_CONTACT
 from fiv_cli.dynamics.motion import Motion, Stop
 from fiv_cli.dynamics.recorder import Beginning, Recorder
 from fiv_cli.dynamics.system import System, Vector
@@ -51,7 +51,12 @@ def _recorded(system: System, request: Request, begun: Sequence[Beginning]) -> l
     values |= _told(system, recorder) | _works(system, recorder, curves)
     columns = Columns(values, _events(system, recorder), recorder.lengths)
     residuals = values["energy_residual"].tolist()
-    return [_outcome(stop, residuals[row], columns, row) for row, stop in enumerate(stops)]
+    found = [_outcome(stop, residuals[row], columns, row) for row, stop in enumerate(stops)]
+    for row, outcome in enumerate(found):
+        if stops[row] == Stop.REACHED and outcome.status == "ok":
+            sticking = recorder.codes[row, :, -1] == CODE_STICK
+            outcome.carry = carried("", recorder.states[row, :, -1], sticking)
+    return found
 
 
 def _outcome(stop: Stop, residual: float, columns: Columns, row: int) -> Outcome:
