@@ -65,6 +65,7 @@ OVER_PHASES = {"what": "mean", "over": ["psi_a"]}
             "'. > 2'",
             "1.5",
         ),
+        ("figure", {"kind": "bifurcation", "select": {"v": 0.75}}, "0.75 is not", "0.5, 1.0"),
         ("claim", {"variable": "L_s", "at": {"v": 0.75}}, "0.75 is not on the axis v", "0.5, 1.0"),
         ("claim", {"variable": "L_s", "at": {"v": ". < 0.5"}}, "'. < 0.5' is not on the axis", ""),
         ("claim", {"variable": "L_s", "at": {"v": [0.5, 9.0]}}, "9.0 is not on the axis v", ""),

@@ -83,6 +83,10 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     for name in sound:
         places = _places(case, held, analysis, name)
         _check_drawn(figure, name, known, places, (*place, key), report)
+    drawn = (sound or names or [SHOWN.get(figure.kind, "status")])[0]
+    places = _places(case, held, analysis, drawn)
+    if places is not None and figure.kind not in OF_MOTIONS:
+        places.check(figure.settings.get("select", {}), (*place, "select"), report)
     if len(sound) == len(names) > 1 and analysis is None:
         _check_of_one_analysis(names, held, (*place, key), report)
 
@@ -170,11 +174,11 @@ def _known_of(
     beside = [one for one in held[places.name] or () if one.name not in places.own]
     of_results = _check_narrowed(said, known, beside, (*place, "at"), report)
     on_axes = {name: wanted for name, wanted in said.at.items() if name not in of_results}
-    places.check(on_axes, (*place, "at"), report, near=False)
+    places.check(on_axes, (*place, "at"), report)
     if said.take:
         over, reference = said.take["over"], said.take.get("relative_to", {})
         places.check_over(over, known[said.variable], (*place, "take", "over"), report)
-        places.check(reference, (*place, "take", "relative_to"), report, near=False)
+        places.check(reference, (*place, "take", "relative_to"), report)
     return known
 
 
@@ -278,10 +282,8 @@ def _check_drawn(
         wanted = "the values at a section" if RAGGED[figure.kind] else "one value at each point"
         message = f"{name!r} cannot be drawn as a {figure.kind}, which shows {wanted}"
         report.add(place, message, _drawable(known, RAGGED[figure.kind]))
-    if places is not None and figure.kind not in OF_MOTIONS:
-        places.check(figure.settings.get("select", {}), (*table, "select"), report, near=True)
-        if take:
-            places.check_over(take["over"], variable, (*table, "take", "over"), report)
+    if places is not None and figure.kind not in OF_MOTIONS and take:
+        places.check_over(take["over"], variable, (*table, "take", "over"), report)
 
 
 def _kinds(known: Mapping[str, Variable | None]) -> str:

@@ -41,19 +41,16 @@ class Places:
         shortened = any(line.startswith(("grid.", "sweep.")) for line in case.overrides)
         return cls(spec.name, grid, [*(["initial"] if starts else []), *own], shortened)
 
-    def check(self, selection: Mapping[str, Any], place: Path, report: Report, near: bool) -> None:
-        """Note axes that the analysis has not, and values off the grid.
-
-        `near`: a number means the nearest value, as in figures.
-        """
+    def check(self, selection: Mapping[str, Any], place: Path, report: Report) -> None:
+        """Note axes that the analysis has not, and values off the grid."""
         for name, wanted in selection.items():
             if name not in (*self.grid, *self.own):
                 message = f"the analysis {self.name!r} has no axis {name!r}"
                 report.add((*place, name), message, listed([*self.grid, *self.own]))
             elif name in self.grid and not self.is_shortened and report.is_sound(("grid", name)):
-                for one in _missed(self.grid[name], wanted, near):
+                for one in _missed(self.grid[name], wanted):
                     message = f"{one!r} is not on the axis {name}"
-                    report.add((*place, name), message, _extent(self.grid[name]))
+                    report.add((*place, name), message, _extent(self.grid[name], one))
 
     def check_over(
         self, over: Sequence[str], variable: Variable | None, place: Path, report: Report
@@ -70,7 +67,7 @@ class Places:
                 report.add(place, message, listed(known))
 
 
-def _missed(axis: Axis, wanted: Any, near: bool) -> Iterator[Any]:
+def _missed(axis: Axis, wanted: Any) -> Iterator[Any]:
     """What of a selection meets no value of the axis."""
     numeric = axis.kind in ("parameter", "start")
     for one in wanted if isinstance(wanted, list) else [wanted]:
@@ -78,7 +75,7 @@ def _missed(axis: Axis, wanted: Any, near: bool) -> Iterator[Any]:
         if tests:
             met = any(all(_holds(value, test) for test in tests) for value in axis.values)
         else:
-            met = (numeric and near) or any(_is(value, one, numeric) for value in axis.values)
+            met = any(_is(value, one, numeric) for value in axis.values)
         if not met:
             yield one
 
@@ -94,7 +91,10 @@ def _holds(value: float, test: Test) -> bool:
     return (value < bound and "<" in sign) or (value > bound and ">" in sign)
 
 
-def _extent(axis: Axis) -> str:
-    if axis.kind in ("parameter", "start") and len(axis.values) > 8:
-        return f"{len(axis.values)} values from {min(axis.values):g} to {max(axis.values):g}"
-    return listed([str(value) for value in axis.values])
+def _extent(axis: Axis, wanted: Any) -> str:
+    if axis.kind not in ("parameter", "start") or len(axis.values) <= 8:
+        return listed([str(value) for value in axis.values])
+    told = f"{len(axis.values)} values from {min(axis.values):g} to {max(axis.values):g}"
+    if isinstance(wanted, str):
+        return told
+    return f"{told}; the nearest is {min(axis.values, key=lambda value: abs(value - wanted))!r}"
