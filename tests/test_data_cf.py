@@ -315,6 +315,16 @@ def test_a_parameter_is_described_as_the_law_in_use_does() -> None:
         api.load(case, laws | {"grid.delta": [1.0, 2.0]})
 
 
+def test_a_parameter_of_one_of_several_laws_is_fixed() -> None:
+    """And one that all have, where it is the same under each."""
+    both = {"grid.friction": ["coulomb", "stribeck"], "friction.stribeck.v_s": 0.3}
+    found = api.run(api.load(BELT | {"analysis": [{"kind": "equilibrium"}]}, both), workers=1)
+    assert (float(found["v_s"]), float(found["mu_s"])) == (0.3, 0.4)
+    apart = both | {"friction.coulomb.mu_s": 0.5}
+    found = api.run(api.load(BELT | {"analysis": [{"kind": "equilibrium"}]}, apart), workers=1)
+    assert "mu_s" not in found.coords
+
+
 def test_what_the_analysis_itself_varies_is_no_fixed_parameter() -> None:
     found = api.run(api.load(KINDS["boundary"]), workers=1)
     assert "v" not in found.coords and float(found["c"]) == 0.1

@@ -345,13 +345,13 @@ def _without_own_value(template: Template) -> set[str]:
 
 
 def _fixed(template: Template) -> dict[str, float]:
-    """The parameters that have one value at all points, under every law."""
-    first, *others = template.parameters.values()
+    """The parameters that have one value at all points, under every law that has them."""
     varied = {*template.schedule.names, *_without_own_value(template)}
     laws = [get_law(law) for law in template.parameters]
-    shared = {n: v for n, v in first.items() if all(other.get(n) == v for other in others)}
-    varied |= {name for name in shared if is_ambiguous(laws, name)}
-    return {name: value for name, value in shared.items() if name not in varied}
+    pairs = [pair for fixed in template.parameters.values() for pair in fixed.items()]
+    counts = Counter(name for name, _ in {*pairs})
+    varied |= {n for n, count in counts.items() if count > 1 or is_ambiguous(laws, n)}
+    return {name: value for name, value in pairs if name not in varied}
 
 
 def _template(
