@@ -139,6 +139,46 @@ def test_a_run_ends_with_its_answer(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert capsys.readouterr().err == ""
 
 
+ASKED = """
+schema = 1
+[model]
+name = "belt-1dof"
+parameters = { v = 6.0 }
+[grid]
+c = [0.1, 0.2]
+[[initial]]
+kind = "state"
+state = { x = 5.0 }
+[[analysis]]
+kind = "boundary"
+parameter = "v"
+bracket = [0.5, 4.0]
+of = { expect = "periodic" }
+[[analysis]]
+kind = "cycle"
+[[analysis]]
+kind = "history"
+t_end = 1.0
+"""
+
+
+def test_every_analysis_ends_with_its_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Numbers with their range where it tells no class; a cycle that there is not is no answer."""
+    case, output = tmp_path / "asked.toml", tmp_path / "asked.nc"
+    case.write_text(ASKED)
+    assert fiv(["run", str(case), "-o", str(output), "--workers", "1"]) == 0
+    lines = capsys.readouterr().err.splitlines()
+    found = api.read(output)["boundary"]["boundary"]
+    ends = f"{float(found.min()):.6g} to {float(found.max()):.6g}"
+    assert f"  boundary: boundary {ends} m s-1 ({int(found.count())})" in lines
+    assert "  history: 2 answers" in lines
+    told = lines.index("  cycle: 0 answers")
+    assert lines[told + 1].startswith("    no_cycle 2: ")
+    assert "  WARNING: 2 of 2 points of cycle have no answer" in lines[told:]
+
+
 # --- what a run will cost ------------------------------------------------------------------------
 def test_an_estimate_runs_a_sample_and_keeps_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -225,7 +265,7 @@ def test_how_a_motion_sticks_on_its_way_is_not_how_it_ends(reason: str, verdict:
 @pytest.mark.parametrize(("going_on", "told"), [(True, "itself ended there"), (False, "go-on")])
 def test_a_chain_that_goes_on_in_any_case_is_not_told_to(going_on: bool, told: str) -> None:
     found = {"classes": {"periodic": 1}, "reasons": {"contact_lost": 1}, "said": {}, "still": ()}
-    counted = {"asked": 2, "open": 0, "filled": 0, "not_reached": 3, "beyond": ""}
+    counted = {"found": (), "asked": 2, "open": 0, "filled": 0, "not_reached": 3, "beyond": ""}
     answer = Answer("a", "response", **found, **counted, going_on=going_on)
     warning = list(answer.lines())[-1]
     assert warning.startswith("  WARNING: 3 points of a lie behind") and told in warning

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 MOST_REASONS = 3
 
 
+# Reasons of points that were computed and yet have not all that was asked for.
+UNANSWERED = ("no_cycle", "no_return", "undecided_in_part")
+
 LOST = (
     'in its [[initial]], on_loss = "go-on" carries any motion on (of a cycle that has ended there '
     'is none), on_loss = "restart" begins anew'
@@ -38,6 +41,7 @@ class Answer:
     ----------
     name, kind : of the analysis
     classes : class -> number of points, the most frequent first; empty where it tells none
+    found : the numbers it is asked for, each with its range, where it tells no class
     reasons : reason why there is no better answer -> number of points, likewise; of those behind
         the end of a chain none
     said : reason -> what the first point that has it says of it, if it says anything
@@ -52,6 +56,7 @@ class Answer:
     name: str
     kind: str
     classes: dict[str, int]
+    found: tuple[str, ...]
     reasons: dict[str, int]
     said: dict[str, str]
     asked: int
@@ -64,11 +69,11 @@ class Answer:
 
     def lines(self, reasons: bool = True) -> Iterator[str]:
         """For people, with what the reasons mean or without."""
-        listed = ", ".join(f"{name} {count}" for name, count in self.classes.items())
-        if listed or self.reasons or self.still:
-            answered = self.asked - self.open
-            of = f" (of {self.asked} run; fiv show counts the map)" if self.filled else ""
-            yield f"  {self.name}: {listed or f'{answered} answer' + 's' * (answered != 1)}{of}"
+        counts = (f"{name} {count}" for name, count in self.classes.items())
+        answered = self.asked - self.open
+        told = [*counts, *self.found] or [f"{answered} answer" + "s" * (answered != 1)]
+        of = f" (of {self.asked} run; fiv show counts the map)" if self.filled else ""
+        yield f"  {self.name}: {', '.join(told)}{of}"
         if reasons:
             yield from self._reasons()
             yield from (f"    {remark}" for remark in self.still)
@@ -107,11 +112,13 @@ def _answer(journal: Journal, index: int) -> Answer:
     classes = _counts(told[asked], table) if table else {}
     failed = asked & (status != STATUS.codes["ok"])
     undecided = asked & np.isin(told, [c for c, name in table.items() if name == "undecided"])
+    undecided |= asked & np.isin(record.reason[wanted], [REASON.codes[n] for n in UNANSWERED])
     reasons = _counts(record.reason[wanted][~behind], REASON.names, but="none")
     return Answer(
         name=analysis.layout.name,
         kind=analysis.layout.kind,
         classes={name: count for name, count in classes.items() if name != "not_computed"},
+        found=() if table else tuple(_found(journal, index)),
         reasons=reasons,
         said=_said(journal, index, [*reasons][:MOST_REASONS]),
         asked=int(asked.sum()),
@@ -122,6 +129,18 @@ def _answer(journal: Journal, index: int) -> Answer:
         beyond=_beyond(journal, index),
         still=tuple(_still(journal, index)),
     )
+
+
+def _found(journal: Journal, index: int) -> Iterator[str]:
+    """``boundary 6.84 to 14.83 rad s-1 (9)``: the range of what is asked for, and how many."""
+    variables = journal.plan.analyses[index].layout.variables
+    for variable in (one for one in variables if one.headline and one.kind == "float"):
+        blocks = (block.values.get(variable.name, ()) for _, block in journal.blocks(index))
+        values = np.concatenate([np.zeros(0), *map(np.ravel, blocks)])
+        values = values[np.isfinite(values)]
+        ends = {f"{end:.6g}": None for end in (values.min(), values.max())} if values.size else {}
+        unit = "" if variable.units == "1" else f" {variable.units}"
+        yield f"{variable.name} {' to '.join(ends) or 'none'}{unit} ({values.size})"
 
 
 def _followed(journal: Journal) -> list[StartSpec]:

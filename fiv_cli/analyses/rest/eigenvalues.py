@@ -39,8 +39,8 @@ def variables(subject: Subject) -> list[Variable]:
         Variable(
             "coupling_point",
             "1",
-            "where on the longest numeric axis, in its unit, the mode merges with another, before the "
-            "next point",
+            "where on the longest numeric axis, in its unit, the mode merges with another, before "
+            "the next point",
             "mode",
             comment="between the points, where the two come to differ more in growth than in "
             "frequency, and in both by less than 1 %; with more damping they pass at a distance",
