@@ -87,5 +87,5 @@ def _between(symbols: Any, options: Options) -> Equations:
 
 def test_contacts_that_act_on_one_another_do_not_know_what_is_demanded_of_each() -> None:
     model: Model = replace(get_model("belt-1dof"), equations=_between, contacts=2)
-    with pytest.raises(UsageError, match="what is demanded of each alone"):
+    with pytest.raises(UsageError, match="what would hold contact 1 alone"):
         system(model, "switch")

@@ -238,8 +238,10 @@ class _Deriver:
         found = (rate - acceleration.subs(own, 0)) / sympy.diff(acceleration, own)
         if found.free_symbols & set(map(self.symbols.tangential_force, range(count))):
             raise UsageError(
-                "contacts act on one another, and their law asks what is demanded of each alone\n"
-                "next: another friction law"
+                f"the law {self.laws[contact].name!r} asks what would hold contact {contact + 1} "
+                "alone, and another contact acts on it\n"
+                "next: a friction law that does not ask: coulomb or stribeck, say; near karnopp "
+                "and switch is linear-regularisation"
             )
         return found
 

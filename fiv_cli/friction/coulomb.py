@@ -21,7 +21,7 @@ MU_K = Parameter(
     "mu_k", r"\mu_k", "1", 0.3, "coefficient of kinetic friction", "3.5", 0.0, role="friction"
 )
 MU_S = Parameter(
-    "mu_s", r"\mu_s", "1", 0.4, "coefficient of static friction", "3.9", 0.0, role="friction"
+    "mu_s", r"\mu_s", "1", 0.4, "coefficient of static friction", "3.9", 0.0, role="static friction"
 )
 
 FALLING = Requirement(

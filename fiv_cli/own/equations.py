@@ -89,7 +89,9 @@ def _of_slip(number: int, contact: Contact, written: Written) -> Iterator[Fault]
             message = (
                 f"{numbers} are both solved for {coordinate!r}, and slip in different directions"
             )
-            yield Fault(place, message, "", "name another state that its slip velocity depends on")
+            hint = "name another state that its slip velocity depends on; where each has its "
+            hint += "contact, what one more bears in stick is not determined: give it a mass"
+            yield Fault(place, message, "", hint)
 
 
 def _of_its_own_law(number: int, name: str, model: Model) -> Iterator[Fault]:
