@@ -102,6 +102,21 @@ def test_stick_slip_under_a_power_has_the_period_that_scipy_finds(q, error):
     assert found.values["period"] == pytest.approx(period_by_scipy(q), rel=error)
 
 
+@pytest.mark.parametrize("q", [0.1, 0.3, 0.6])
+def test_slip_begins_with_what_stick_bears_however_steeply_friction_rises(q):
+    """A force that rises from capacity at once: the mass comes to slide steadily."""
+    rising = f'p["mu_0"] + (p["mu_0"] - p["mu_1"]) * {POWER}'
+    text = (
+        LAW[: LAW.index('        p["mu_1"] + (')]
+        + rising
+        + LAW[LAW.index("\n    ),\n    capacity") :]
+    )
+    Path("law.py").write_text(text)
+    use_files([Path("law.py")])
+    found = api.analyse("belt-1dof", "my-power", "response", {"x": 0.0}, {}, q=q, v=0.1, N=LOAD)
+    assert found.status == "ok" and found.values["attractor"] == "equilibrium"
+
+
 def test_a_whole_number_given_to_the_exponent_answers_as_the_law_that_knows_it():
     use_files([wrote()])
     own, shipped = (

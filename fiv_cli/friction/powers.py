@@ -2,12 +2,13 @@
 
 Such a power has no Taylor series at v = 0, where every slip begins. There, u^q is taken as
 
-    (u^2 + e^2)^(q/2),      e = 10^-(6 + 3/(1 + q^4))
+    u^2 (u^2 + e^2)^(q/2 - 1),      e = 10^-(6 + 3/(1 + q^4))
 
-which is off by e^q at u = 0, and by q/2 (e/u)^2 of itself far above e. Slip that begins slowly
-passes there in a time of the order sqrt(e), so that a motion is off by the order e^(q + 1/2), as
-measured for q from 0.7 on (e^0.7 at q = 1/2), or e^2. A period of stick-slip is off by 1e-12 of
-itself from q = 1.5 on, by 2e-11 at q = 1, by 3e-10 at q = 0.7 and by 2e-7 at q = 1/2.
+which vanishes at u = 0, as u^q does (slip begins with what stick bears, however small q), is off
+by the order e^q near e, and by (1 - q/2) (e/u)^2 of itself far above. Slip that begins slowly
+passes there in a time of the order sqrt(e), so that a motion is off by the order e^(q + 1/2). A
+period of stick-slip is off by 1e-12 of itself from q = 1.5 on, by 2e-11 at q = 1, by 1e-9 at
+q = 0.7, by 1e-6 at q = 1/2 and by 4e-6 at q = 0.3.
 
 A step there is as short as e v_0 over the rate of the slip velocity. It must not be lost in the
 time since the beginning (2e-16 of it): e is no smaller than the exponent needs.
@@ -27,7 +28,7 @@ def eased(expression: Expr, v: Expr) -> Expr:
 
     return sympy.sympify(expression).replace(
         lambda one: one.is_Pow and _breaks(one, v),
-        lambda one: (one.base**2 + _square_of_width(one.exp)) ** (one.exp / 2),
+        lambda one: one.base**2 * (one.base**2 + _square_of_width(one.exp)) ** (one.exp / 2 - 1),
     )
 
 

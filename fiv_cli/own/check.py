@@ -42,6 +42,7 @@ _SLIP = {"v": "m s-1", "sign": "1", "speed": "m s-1", "N": "N"}
 SLOW = 1e-3  # m/s, of a slip that no law is known to drive
 FAST = 1.0  # m/s, at which both sides are compared
 FASTEST = 100.0  # m/s, up to which a law is looked at
+SIDES = "slip.speed is |v|; slip.v has a sign"
 ROUNDING = 1e-12
 ALIKE = 1e-9  # of the larger force
 
@@ -186,8 +187,7 @@ def _signed_powers(law: Law) -> Iterator[Fault]:
         base = power.base.subs(back)
         if not power.exp.is_Integer and slip.v in power.base.free_symbols and base.is_negative:
             message = f"{shown(power)}: a power of what is negative where v is"
-            hint = "slip.speed is |v|; slip.v has a sign"
-            yield Fault(("Law", law.name, "force"), message, "", hint)
+            yield Fault(("Law", law.name, "force"), message, "", SIDES)
             return
 
 
@@ -202,17 +202,18 @@ def _bounded(law: Law) -> Iterator[Fault]:
             along = {slip.v: sign * slip.speed, slip.sign: sign, slip.N: 1, **values}
             if (v := _sign_change(power.base.subs(along), slip.speed)) is not None:
                 message = f"near v = {sign * v:.2g} m/s F_T has no bound: it has {shown(power)}"
-                hint = "divide by what vanishes at no speed"
+                hint = "divide by what vanishes at no speed" if sign > 0 else SIDES
                 yield Fault(("Law", law.name, "force"), message, "", hint)
                 return
 
 
 def _sign_change(expression: Expr, speed: Expr) -> float | None:
     """The first speed, m/s, at which an expression has another sign; None where it keeps it."""
-    speeds = np.geomspace(SLOW, FASTEST, 2000)
+    speeds = np.append(0.0, np.geomspace(SLOW, FASTEST, 2000))
     with np.errstate(all="ignore"):
         found = np.sign(sympy.lambdify(speed, expression, "numpy")(speeds))
-    changes = np.flatnonzero(np.diff(np.broadcast_to(found, speeds.shape)))
+        steps = np.diff(np.broadcast_to(found, speeds.shape))
+    changes = np.flatnonzero(np.isfinite(steps) & (steps != 0.0))
     return float(speeds[changes[0]]) if changes.size else None
 
 
@@ -223,8 +224,7 @@ def _opposes_slip(law: Law) -> Iterator[Fault]:
     none = [v for v in (-FAST, FAST) if isnan(_size_at(law, v))]
     if len(none) == 1:
         message = f"at v = {none[0]:g} m/s F_T is no number, at {-none[0]:g} m/s it is one"
-        hint = "slip.speed is |v|; slip.v has a sign"
-        yield Fault(("Law", law.name, "force"), message, "", hint)
+        yield Fault(("Law", law.name, "force"), message, "", SIDES)
         return
     drives = [v for v in (-SLOW, SLOW) if _force_at(law, v) * v < 0.0]
     if drives:
@@ -318,8 +318,8 @@ _OF_LAWS = (
     _forces_of_law,
     _rests,
     _begins,
-    _opposes_slip,
     _signed_powers,
     _bounded,
+    _opposes_slip,
     _unused_parameters,
 )
