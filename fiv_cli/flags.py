@@ -100,7 +100,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "neutral_oscillation",
-        "an undamped oscillation keeps the amplitude of its start: add damping or state the start",
+        "an undamped oscillation keeps the amplitude of its start for ever, whatever that is, and so "
+        "has no attractor: add damping, or take what is measured from this start",
     ),
     Reason(
         "class_changed",
@@ -121,7 +122,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "chattering",
-        "more than 50 transitions at one instant: no contact state lasts; move the start or mu_s",
+        "more than 50 transitions at one instant: no contact state lasts; move the start, or what stick "
+        "bears",
     ),
     Reason("stuck", "what sticks holds all and nothing moves: an equilibrium, but not of sliding"),
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
@@ -251,7 +253,8 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "time_stands_still",
         "steps are too short to move the time (a number has 16 digits), so more of them lead "
-        "nowhere: a law or a spring is too stiff; lower its stiffness (sigma, sigma_0, k, ...)",
+        "nowhere: a law or a spring is too stiff (lower its stiffness: sigma, sigma_0, k, ...), or "
+        "the motion runs into a pole of a law of your own",
     ),
 )
 

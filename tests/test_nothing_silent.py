@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -160,6 +161,12 @@ kind = "cycle"
 kind = "history"
 t_end = 1.0
 """
+
+
+def test_a_curve_of_what_varies_along_a_motion_is_told_before_the_run() -> None:
+    figure = {"kind": "curve", "x": "c", "variable": "x"}
+    with pytest.raises(CaseError, match=r"'x' varies along a motion.*\n.*\"history\""):
+        api.load({**tomllib.loads(ASKED), "figure": [figure]})
 
 
 def test_every_analysis_ends_with_its_answer(

@@ -83,6 +83,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     for name in sound:
         places = _places(case, held, analysis, name)
         _check_drawn(figure, name, known, places, (*place, key), report)
+        if figure.kind in ("curve", "map") and "take" not in figure.settings:
+            _refuse_motion(figure.kind, name, held, (*place, key), report)
     drawn = (sound or names or [SHOWN.get(figure.kind, "status")])[0]
     places = _places(case, held, analysis, drawn)
     if places is not None and figure.kind not in OF_MOTIONS:
@@ -284,6 +286,14 @@ def _check_drawn(
         report.add(place, message, _drawable(known, RAGGED[figure.kind]))
     if places is not None and figure.kind not in OF_MOTIONS and take:
         places.check_over(take["over"], variable, (*table, "take", "over"), report)
+
+
+def _refuse_motion(kind: str, name: str, held: Held, place: Path, report: Report) -> None:
+    """Note what has a value at each instant only: a figure of points shows one of each."""
+    found = [one for variables in held.values() for one in variables or () if one.name == name]
+    if found and all("time" in one.dims for one in found):
+        message = f"{name!r} varies along a motion, and a {kind} shows one value at each point"
+        report.add(place, message, 'it in a figure of kind "history" or "phase", or with take')
 
 
 def _kinds(known: Mapping[str, Variable | None]) -> str:
