@@ -100,8 +100,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "neutral_oscillation",
-        "an undamped oscillation keeps the amplitude of its start for ever, whatever that is, and so "
-        "has no attractor: add damping, or take what is measured from this start",
+        "an undamped oscillation keeps the amplitude of its start for ever, whatever that is, and "
+        "so has no attractor: add damping, or take what is measured from this start",
     ),
     Reason(
         "class_changed",
@@ -122,8 +122,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "chattering",
-        "more than 50 transitions at one instant: no contact state lasts; move the start, or what stick "
-        "bears",
+        "more than 50 transitions at one instant: no contact state lasts; move the start, or what "
+        "stick bears",
     ),
     Reason("stuck", "what sticks holds all and nothing moves: an equilibrium, but not of sliding"),
     Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
