@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from fiv_cli.analyses.base import Outcome, Section, Start
-from fiv_cli.api import analyse
+from fiv_cli.api import analyse, load, names_of, run
 
 # Bilateral and stiff (thesis 6.4.2.2): below the critical 1.735 a stable equilibrium and a large
 # motion are both there.
@@ -68,3 +68,17 @@ def test_a_slide_over_a_sector_is_periodic_after_few_turns_whatever_their_roundi
     assert (found.values["attractor"], found.values["stick_fraction"]) == ("periodic", 0.0)
     assert found.values["period"] == pytest.approx(2 * pi / speed, rel=1e-12)
     assert found.values["cycle_residual"] < 1e-12 and found.values["floquet_multiplier"].max() < 0.1
+
+
+def test_a_swinging_speed_leaves_a_slide_alone_where_there_is_no_sector() -> None:
+    """Other friction in a sector of no width is met nowhere."""
+    case = load(
+        {
+            "schema": 1,
+            "model": {"name": "pin-on-disc", "parameters": {"Omega": 5.0, "beta": 0.0}},
+            "schedule": {"Omega": {"amplitude": 0.2, "omega": 5.0}},
+            "initial": [{"kind": "equilibrium", "offset": {"phi": 1e-4}}],
+            "analysis": [{"kind": "response"}],
+        }
+    )
+    assert names_of(run(case, workers=1)["attractor"]).item() == "equilibrium"

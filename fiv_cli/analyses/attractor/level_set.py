@@ -319,8 +319,10 @@ def _all_moved(
     motion_parameters[-1 - system.n_contacts : -1] = own[-1 - system.n_contacts : -1]
     states = np.stack([target.equilibrium, target.equilibrium])
     states[1][target.free] += np.max(np.abs(target.equilibrium)) * target.shapes[0]
+    _, width, _ = system.generated.zone or ("", "", 0)
+    has_sector = bool(width) and parameters[width] != 0.0
     moved = []
-    for zone in (0.0, 1.0):
+    for zone in (0.0, 1.0) if has_sector else (0.0,):
         motion_parameters[-1] = zone
         coefficients = system.coefficients(motion_parameters)
         for time in times.tolist():
