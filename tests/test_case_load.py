@@ -623,6 +623,13 @@ section = {text}
         assert 'zero = "x_dot"' in only_problem(text).suggestion
 
 
+@pytest.mark.parametrize("kind", ["response", "cycle"])
+def test_a_transient_that_takes_all_the_time_is_refused(kind: str) -> None:
+    text = belt().replace('"history"\nt_end = 30', f'"{kind}"\nt_max = 50.0\ntransient = {{}}')
+    assert parse(text.format(49.0)).analyses[0].settings["transient"] == 49.0
+    assert "leave nothing of t_max = 50 s" in only_problem(text.format(50.0)).message
+
+
 TAKEN = '{ what = "greatest", over = "initial" }'
 
 

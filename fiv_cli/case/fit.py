@@ -22,6 +22,7 @@ def refuse_what_does_not_fit(case: Case, form: Form, physics: Physics, report: R
     """Note analyses, starts, axes and parameters that exclude one another."""
     _refuse_unused_start_axes(case.axes, case.analyses, report)
     _refuse_needless_chains(case.analyses, case.starts, report)
+    _refuse_endless_transients(case.analyses, report)
     refuse_along_chains(case.refinement, case.starts, report)
     refuse_unsuited_analyses(form, case.schedule, case.analyses, report)
     _refuse_too_many_runs(case.axes, case.zips, case.starts, report)
@@ -51,6 +52,16 @@ def _refuse_needless_chains(
                 'starts of kind "equilibrium", "state", "random" or "table"',
                 'give it a case of its own; follow = "up" | "down" follows a branch in the bracket',
             )
+
+
+def _refuse_endless_transients(analyses: Sequence[AnalysisSpec], report: Report) -> None:
+    """A steady state is looked for after the transient, and before the time is up."""
+    for index, analysis in enumerate(analyses):
+        transient, t_max = (analysis.settings.get(name) for name in ("transient", "t_max"))
+        if transient is not None and t_max is not None and transient >= t_max:
+            place = ("analysis", index, "transient")
+            message = f"{transient:g} s leave nothing of t_max = {t_max:g} s"
+            report.add(place, message, f"less than {t_max:g} s; or raise t_max")
 
 
 def _refuse_too_many_runs(

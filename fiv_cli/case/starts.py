@@ -85,7 +85,8 @@ def _rows(
 ) -> tuple[dict[str, float], ...]:
     """The starts of a table, in the case or in a file."""
     if bool(table.states) == bool(table.file):
-        report.add(place, "a table of starts needs its states, or a file", ONE_OF)
+        has = "has both states and a file" if table.file else "needs its states, or a file"
+        report.add(place, f"a table of starts {has}", ONE_OF)
     places = (((*place, "states", number), row) for number, row in enumerate(table.states))
     given = rows_in(table.file, (*place, "file"), physics, report) if table.file else places
     return tuple(_numbers(row, physics, row_place, report) for row_place, row in given)
@@ -158,7 +159,8 @@ def _check_continued(
         report.add((*place, "from"), "is missing", _allowed_first(beginnings, by_label))
     elif start.from_label not in beginnings:
         message = f"there is no start {start.from_label!r} to begin at, {listed(BEGINNINGS)}"
-        report.unknown((*place, "from"), message, start.from_label, beginnings)
+        hint = "" if beginnings else _allowed_first(beginnings, by_label)
+        report.unknown((*place, "from"), message, start.from_label, beginnings, hint)
     elif by_label[start.from_label].kind == "continue":
         _check_next_leg(start, (*place, "from"), by_label, report)
 
