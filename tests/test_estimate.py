@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import multiprocessing
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,26 +12,33 @@ from typing import Any
 
 import numpy as np
 import pytest
-from small_cases import PIN
+from small_cases import ENDLESS, PIN
 
 from fiv_cli import api
 from fiv_cli.case.case import Refinement
+from fiv_cli.case.load import parse_case
 from fiv_cli.sweep.borders import draw
-from fiv_cli.sweep.estimate import OF_TIMING, _spread, estimate
+from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _spread, estimate
 from fiv_cli.sweep.map_estimate import Drawing
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.probe import Probe, Tried
 from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.refine import Maps
 from fiv_cli.sweep.run import run_case
-from fiv_cli.sweep.worker import ChainState, Segment
+from fiv_cli.sweep.worker import ChainState, Segment, Task
 
 
-@pytest.mark.parametrize("chained", [False, True])
+@pytest.mark.parametrize(
+    ("chained", "limit"), [(False, np.inf), (True, np.inf), (False, 0.5), (True, 5.0)]
+)
 def test_an_estimate_holds_the_time_where_few_points_cost_nearly_all(
-    monkeypatch: pytest.MonkeyPatch, chained: bool
+    monkeypatch: pytest.MonkeyPatch, chained: bool, limit: float
 ) -> None:
-    """Of a million points of which one in 25 takes a hundred times as long, in one corner."""
+    """Of a million points of which one in 25 takes a hundred times as long, in one corner.
+
+    What takes longer than a limit is given up, and then known to take twice its time at most.
+    """
     table: dict[str, Any] = {
         "schema": 1,
         "model": {"name": "belt-1dof"},
@@ -47,16 +56,55 @@ def test_an_estimate_holds_the_time_where_few_points_cost_nearly_all(
             at = dict(zip(names, values, strict=True))
             yield 1.0 if at["v"] < 1.2 and at["N"] > 1.8 else 0.01
 
-    def timed(_: object, segments: tuple[Segment, ...]) -> tuple[SimpleNamespace, float]:
-        state = ChainState(False, {}, "periodic")
-        block = SimpleNamespace(nbytes=100 * len(segments))
-        return SimpleNamespace(block=block, states={0: state}), sum(costs(segments))
+    def tried(_: object, __: object, segments: tuple[Segment, ...], share: float = 1.0) -> Tried:
+        found: Any = SimpleNamespace(states={0: ChainState(False, {}, "periodic")})
+        seconds, nbytes = sum(costs(segments)), 100 * len(segments)
+        if seconds > limit:
+            return Tried(None, limit, 2.0 * seconds, nbytes)
+        return Tried(found, seconds, seconds, nbytes)
 
-    monkeypatch.setattr("fiv_cli.sweep.estimate._timed", timed)
+    monkeypatch.setattr("fiv_cli.sweep.estimate._tried", tried)
     (found,) = estimate(api.load(table), 1, lambda _: None)
     low, high = found.seconds
-    assert low < (1 + chained) * 1e6 * (0.04 + 0.96 * 0.01) < high < 2.0 * low
+    assert low < (1 + chained) * 1e6 * (0.04 + 0.96 * 0.01) < high
+    assert high < 2.0 * low or found.given_up
+    assert bool(found.given_up) == (limit < np.inf)
     assert found.sampled < 0.02 * found.points[1]
+
+
+def test_a_point_that_does_not_end_is_given_up_and_those_after_it_are_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In compiled code, which heeds nothing: each of the regions of a grid is tried."""
+    monkeypatch.setattr("fiv_cli.sweep.estimate.PATIENCE", 4.0)
+    (found,) = estimate(parse_case(ENDLESS, "endless.toml"), 1, lambda _: None)
+    assert found.sampled == found.given_up > 1
+    assert found.points == (4, 4) and found.limit == 4.0 / PIECES
+    assert found.seconds[0] < 4 * 3600.0 < found.seconds[1]
+    assert "given up after 0.5 s" in found.line()
+
+
+def endless() -> Task:
+    """A point that does not end."""
+    analysis = make_plan(parse_case(ENDLESS, "endless.toml")).analyses[0]
+    values, start = analysis.point(0)
+    return Task(analysis.template, analysis.layout.variables, (Segment((values,), start),))
+
+
+def test_what_is_given_up_takes_at_most_what_its_steps_and_its_limit_allow() -> None:
+    task = endless()
+    twice = replace(task, segments=2 * task.segments)
+    with Probe(0.5) as unlimited, Probe(0.5, most=30.0) as limited:
+        given_up = unlimited.run(task)
+        assert given_up[:2] == (None, 0.5) and given_up.most > 3600.0
+        assert limited.run(twice, share=0.5)[:3] == (None, 0.25, 60.0)
+
+
+def test_a_process_that_tries_points_ends_with_what_it_is_for() -> None:
+    with Probe(0.1) as probe:
+        probe.run(endless())
+        assert multiprocessing.active_children()
+    assert not multiprocessing.active_children()
 
 
 def test_a_sample_is_spread_over_every_axis_and_reaches_every_point() -> None:
@@ -71,8 +119,6 @@ def test_a_sample_is_spread_over_every_axis_and_reaches_every_point() -> None:
 
 class Disc(list[int]):
     """Positions in a square, as the block of what is computed there: inside a disc, or outside."""
-
-    nbytes = 1
 
     @property
     def values(self) -> dict[str, np.ndarray]:
@@ -94,10 +140,11 @@ def test_a_map_grows_as_its_borders_do(
     )
     true, clock = int(picture.wanted.sum()), 0.0
 
-    def run(positions: Sequence[int]) -> tuple[Any, float]:
+    def run(positions: Sequence[int]) -> Tried:
         nonlocal clock
         clock += len(positions)
-        return Disc(positions), float(len(positions))
+        result: Any = SimpleNamespace(block=Disc(positions))
+        return Tried(result, float(len(positions)), float(len(positions)), len(positions))
 
     monkeypatch.setattr("fiv_cli.sweep.map_estimate.time.monotonic", lambda: clock)
     nothing = np.zeros(square.shape, np.int32), np.zeros(square.shape, bool)

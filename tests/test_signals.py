@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 from disturbed import ENDING, FIV, PATIENCE, Run, ignoring, in_the_background, wait_for
-from small_cases import FAR
+from small_cases import ENDLESS, FAR
 
 from fiv_cli.data.hdf5 import read_attributes
 
@@ -24,13 +24,6 @@ SEED = 20
 STATUS = ("status", "case.toml", "-o", "a.nc")
 WORKERS = ("--time-limit", "600")  # starts workers at once
 POINTS = FAR.format(v=10, N=120, transient=1000.0, t_max=2000.0)
-ENDLESS = (
-    POINTS.replace("start = 0.5, stop = 2.0, num = 10", "start = 2.0, stop = 3.0, num = 2")
-    .replace("num = 120", "num = 2")
-    .replace("x = 10.0", "x = 0.5")  # slides for ever: no event brings it back to Python
-    .replace("transient = 1000.0\nt_max = 2000.0", "transient = 1e9\nt_max = 2e9")
-    .replace("[[initial]]", "[solver]\nmax_steps = 1000000000000\n[[initial]]")
-)
 
 
 def grouped(count: int) -> str:
@@ -88,6 +81,17 @@ def test_a_long_integration_is_ended(tmp_path: Path, number: signal.Signals) -> 
         endless.send(number)
         assert endless.code(10.0) == 128 + number
         assert "the same command goes on from here" in endless.said
+
+
+def test_that_it_may_take_hours_is_told_before_it_begins(tmp_path: Path) -> None:
+    with run(tmp_path, ENDLESS, "--workers", "1") as long:
+        wait_for(lambda: "may take more than an hour" in long.said, "nothing is told")
+        long.send(signal.SIGINT)
+        assert long.code(10.0) == 130
+    assert re.search(r"response takes .* given up after 1 s and taken as", long.said)
+    with run(tmp_path, POINTS, "--workers", "1", "--max-points", "20", "--fresh") as short:
+        assert short.code(60.0) == 8
+        assert "an hour" not in short.said and "takes" not in short.said
 
 
 def test_what_there_is_becomes_a_dataset_and_then_the_whole_one(

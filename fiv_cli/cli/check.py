@@ -63,7 +63,8 @@ def command(
     unknown names and wrong values, then what does not fit together, each with its line, what is
     allowed and what may have been meant; the exit code is then 3.
     Nothing is computed, unless --estimate asks for time, memory and disk: it runs a sample for up
-    to some twenty seconds an analysis, and keeps nothing of it.
+    to some twenty seconds an analysis, gives a point up that takes more than 2.5 s of these, and
+    keeps nothing of it.
 
     \b
     Examples:

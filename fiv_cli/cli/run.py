@@ -98,8 +98,10 @@ def command(
     What is finished is kept in STEM.run beside the dataset: after a crash, Ctrl-C or kill the
     same command goes on where it stopped, and the dataset is the same to the last bit. Until then
     the dataset says that it is partial (`fiv show`, `fiv plot`, its attribute `partial`). A longer
-    axis computes only its new points. In the background (`fiv run a.toml &`) a shell has it ignore
-    Ctrl-C: `fiv status a.toml` says its number, and `kill NUMBER` (SIGTERM) stops it likewise.
+    axis computes only its new points. A run that may take more than an hour says so before it
+    begins, from a few points that it tries for some seconds. In the background
+    (`fiv run a.toml &`) a shell has it ignore Ctrl-C: `fiv status a.toml` says its number, and
+    `kill NUMBER` (SIGTERM) stops it likewise.
 
     --cluster computes on other machines: `pip install '.[cluster]'` on each, start `dask scheduler`
     on one and `dask worker` on each (its threads say how many points it runs at once, each in a
@@ -130,6 +132,7 @@ def command(
         fail_fast=not keep_going,
         max_points=max_points,
         time_limit=time_limit,
+        foresee=not (quiet or cluster),
     )
     loaded = load_all(cases, overrides)
     outputs = _outputs(loaded, output)

@@ -1,10 +1,11 @@
-"""What a run will cost, from a sample of its points: `fiv check --estimate`.
+"""What a run will cost, from a sample of its points: `fiv check --estimate`, and before a long run.
 
 The sample is spread evenly over the grid and the starts, the same each time, and grows until it
 tells the mean cost of a point or patience ends. Chains are a stratum for each start, sampled in
 pieces; of maps that are refined some are drawn (``map_estimate.py``). The costs of points differ a
 hundredfold, chaos being dear, so the range is that of the mean of the sample, symmetric in its
-logarithm.
+logarithm. What takes too long is given up: it counts at least as what it took until then, and at
+most as all steps that it may make.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import ceil, exp, hypot, inf, prod, sqrt
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -24,24 +25,30 @@ from fiv_cli.analyses.base import AT_ONCE
 from fiv_cli.analyses.execute import prepare
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import default_output, differences
-from fiv_cli.data.block import Block
 from fiv_cli.data.log import run_folder
-from fiv_cli.notation.amounts import duration, size
+from fiv_cli.notation.amounts import HOUR, duration, size
 from fiv_cli.sweep.journal import Journal, Record, stored_identity
 from fiv_cli.sweep.map_estimate import Cost, Drawing
 from fiv_cli.sweep.plan import AnalysisPlan, continues, counted, dim_of, make_plan, visiting_order
 from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.probe import Probe, Tried
 from fiv_cli.sweep.refine import Maps
 from fiv_cli.sweep.requests import StartEntry, Values
-from fiv_cli.sweep.worker import Result, Segment, Task, run_task
+from fiv_cli.sweep.worker import Segment, Task
 
 PATIENCE = 20.0  # s for the points of an analysis, after which no other is begun
+PIECES = 8  # points that this leaves room for where each is given up
 ENOUGH = 0.1  # relative standard error of the mean cost at which the sample is large enough
 LEAST_POINTS, LEAST_UNITS = 200, 8  # ... if it holds so many (fewer rarely hold the dearest ones)
 MOST = 20_000  # places that are spread evenly; those after them come in order
 LINKS = 30  # points of a piece of a chain
 TASK, BLOCK = 0.02, 1.0  # s that a task aims for, of points that are run alone and in blocks
-LOADING = 1.0  # s below which the first point is run again: it also loads code
+OF_FIRST = 0.25  # share of the limit of a task after which the first point is given up
+LOADING = 0.3  # s below which the first point is run again: it also loads code
+
+# Before a run: s for all its analyses, also as a share of what it takes; least and most for a task.
+GLANCE, WORTH, GLIMPSE = 3.0, 0.05, (0.25, 1.0)
+STEPS = 1e9  # that a run may make for each place that is tried at least: half an hour's at most
 
 # Relative error that no sample removes: of the timing, and of work besides the points.
 OF_TIMING = 0.1
@@ -60,8 +67,9 @@ class Estimate:
     name : of the analysis
     points : to be run, least and most
     sampled, stored : points that were run for this, and that are stored and need not be run
+    given_up, limit : those that were sampled and took more than so many s
     expected : s of the whole run, processor time over the workers
-    seconds : ... least and most that is likely
+    seconds : ... least and most that is likely; the most may be infinite
     memory, disk : bytes
     """
 
@@ -69,6 +77,8 @@ class Estimate:
     points: tuple[int, int]
     sampled: int
     stored: int
+    given_up: int
+    limit: float
     expected: float
     seconds: tuple[float, float]
     memory: float
@@ -77,13 +87,26 @@ class Estimate:
 
     def line(self) -> str:
         """For people."""
-        low, high = map(duration, self.seconds)
         besides = f"; {counted(self.stored)} are stored" if self.stored else ""
         return (
-            f"  estimate of {self.name}: {duration(self.expected)} ({low} to {high}) on "
+            f"  estimate of {self.name}: {self.time()} on "
             f"{counted(self.workers, 'worker')}, cores being free; {size(self.memory)} of memory, "
-            f"{size(self.disk)} on disk (from {self.sampled} of {_span(self.points)}{besides})"
+            f"{size(self.disk)} on disk ({self.basis()}{besides})"
         )
+
+    def time(self) -> str:
+        """How long it takes: the range alone where points were given up."""
+        low, high = self.seconds
+        if high == inf:
+            return f"at least {duration(low)}"
+        span = f"{duration(low)} to {duration(high)}"
+        return span if self.given_up else f"{duration(self.expected)} ({span})"
+
+    def basis(self) -> str:
+        """From how many points that is known."""
+        some = f"from {self.sampled} of {_span(self.points)}"
+        given_up = f", {self.given_up} given up after {duration(self.limit)} and taken as"
+        return some + f"{given_up} up to max_steps" * bool(self.given_up)
 
 
 class Unit(NamedTuple):
@@ -107,8 +130,8 @@ class Stratum:
     ----------
     points : how many are to be run
     left : units that were not run yet
-    counts, seconds : of each unit that was, its points and what they took
-    stored : bytes of the results
+    counts, seconds, most : of each unit that was, its points and what they took, least and most
+    stored, given_up : bytes of the results, and points that took too long
     is_exhausted : there are no more units
     """
 
@@ -116,7 +139,9 @@ class Stratum:
     left: Iterator[Unit]
     counts: list[int] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
+    most: list[float] = field(default_factory=list)
     stored: int = 0
+    given_up: int = 0
     is_exhausted: bool = False
 
     @property
@@ -135,9 +160,16 @@ class Stratum:
         many = len(self.counts)
         if many < 2 or self.is_exhausted:
             return 0.0 if self.is_exhausted else self.total
+        if self.total == inf:
+            return inf
         expected = np.multiply(self.counts, self.total / self.points)
         deviation = float(np.subtract(self.seconds, expected).std(ddof=1))
         return deviation * sqrt(many * max(0.0, 1.0 - self.share)) / self.share
+
+    @property
+    def dearest(self) -> Stratum:
+        """The same, were what was given up to take the most that it may."""
+        return replace(self, seconds=self.most)
 
     @property
     def is_told(self) -> bool:
@@ -145,23 +177,80 @@ class Stratum:
         return self.is_exhausted or len(self.counts) >= LEAST_UNITS
 
 
+class Effort(NamedTuple):
+    """What a sample may cost.
+
+    Attributes
+    ----------
+    patience : s after which nothing more is begun
+    limit : s after which a task is given up
+    places : tasks that are tried at least, while patience lasts
+    share : ... and of what all points take, as far as is known, after which no more is begun either
+    """
+
+    patience: float
+    limit: float
+    places: int = 1
+    share: float = inf
+
+    def until(self, total: float) -> float:
+        """Seconds of the sample after which nothing more is begun."""
+        return min(self.patience, self.share * total)
+
+    def is_spent(self, seconds: float, tried: int, total: float) -> bool:
+        """Whether nothing more is begun."""
+        return seconds > (self.until(total) if tried >= self.places else self.patience)
+
+
+class Try(Protocol):
+    """Runs points for what they take; for a share of the limit at most."""
+
+    def __call__(self, segments: tuple[Segment, ...], share: float = 1.0) -> Tried:
+        """What they give and take."""
+
+
 def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Iterator[Estimate]:
     """What is left of each analysis of a case will cost; stores nothing."""
-    journal = _stored(case)
+    journal, effort = _stored(case), Effort(PATIENCE, PATIENCE / PIECES)
     for analysis, record in zip(journal.plan.analyses, journal.records, strict=True):
         if not (record.wanted() & ~record.done()).any():
             announce(f"every point of {analysis.layout.name} is stored: nothing is to be run")
             continue
         prepare(analysis.systems(), announce)
         announce(f"running a sample of the points of {analysis.layout.name}")
-        if analysis.maps is not None:
-            sample = _of_maps(analysis, analysis.maps, record)
-        else:
-            left = 1.0 - np.count_nonzero(record.done()) / analysis.size
-            sample = _of_strata(_sampled(analysis), _points(analysis), left)
-        if sample.run:
-            stored = int(np.count_nonzero(record.done() & record.wanted()))
-            yield _estimated(analysis, sample, stored, workers)
+        left = int((record.wanted() & ~record.done()).sum())
+        with Probe(effort.limit) as probe:
+            run = partial(_tried, probe, analysis)
+            found = _estimated(analysis, record, left, run, effort, workers)
+        yield from found
+
+
+def foreseen(journal: Journal, policy: Policy) -> list[Estimate]:
+    """What a run that begins now will cost, from a glance at the analyses that may take long."""
+    left = [int((record.wanted() & ~record.done()).sum()) for record in journal.records]
+    limit = sum(left) if policy.max_points is None else policy.max_points
+    left = np.diff(np.minimum(np.cumsum([0, *left]), limit)).tolist()
+    parts = list(zip(journal.plan.analyses, journal.records, left, strict=True))
+    dear = [part for part in parts if _places(part[0], part[2]) > 1]
+    patience = GLANCE / max(1, len(dear))
+    return [one for part in dear for one in _glanced_at(*part, patience, policy)]
+
+
+def _places(analysis: AnalysisPlan, left: int) -> int:
+    """How many places are tried before a run that has so many points left; 1: none need be."""
+    return min(PIECES, int(left * analysis.template.solver.max_steps / STEPS))
+
+
+def _glanced_at(
+    analysis: AnalysisPlan, record: Record, left: int, patience: float, policy: Policy
+) -> list[Estimate]:
+    """The estimate of an analysis from what a glance tells."""
+    (least, most), most_of_a_point = GLIMPSE, policy.time_limit or inf
+    limit = min(max(HOUR * policy.workers / left, least), most, most_of_a_point)
+    effort = Effort(patience, limit, _places(analysis, left), WORTH)
+    with Probe(limit, most_of_a_point) as probe:
+        run = partial(_tried, probe, analysis)
+        return _estimated(analysis, record, left, run, effort, policy.workers)
 
 
 def _stored(case: Case) -> Journal:
@@ -178,37 +267,47 @@ class Sample(NamedTuple):
 
     Attributes
     ----------
-    run : how many points
-    stored : bytes of their results
+    run, given_up : how many points, and how many of them took too long
+    stored : bytes of the results
     cost : of all points, on one core
-    error : standard error of its time, over it
+    errors : standard errors of its least and its most time, over these
     """
 
     run: int
+    given_up: int
     stored: int
     cost: Cost
-    error: float
+    errors: tuple[float, float]
 
 
 def _of_strata(strata: Sequence[Stratum], points: int, left: float) -> Sample:
     """Of so many points, of which a share is left."""
-    run, stored = sum(sum(s.counts) for s in strata), sum(s.stored for s in strata)
-    seconds = left * sum(stratum.total for stratum in strata)
-    cost = Cost((left * points, left * points), (seconds, seconds))
-    return Sample(run, stored, cost, _relative_error(strata))
+    both = strata, [stratum.dearest for stratum in strata]
+    low, high = (left * sum(stratum.total for stratum in some) for some in both)
+    least, most = (_relative_error(some) for some in both)
+    return Sample(
+        run=sum(sum(stratum.counts) for stratum in strata),
+        given_up=sum(stratum.given_up for stratum in strata),
+        stored=sum(stratum.stored for stratum in strata),
+        cost=Cost((left * points, left * points), (low, high)),
+        errors=(least, most),
+    )
 
 
-def _of_maps(analysis: AnalysisPlan, maps: Maps, record: Record) -> Sample:
+def _of_maps(
+    analysis: AnalysisPlan, maps: Maps, record: Record, run: Try, effort: Effort
+) -> Sample:
     """From as many maps as can be drawn while patience lasts, from one at least."""
-    begun, at_once = time.monotonic(), _fitting(TASK, _seconds_of_first(analysis), AT_ONCE)
+    begun, first = time.monotonic(), _seconds_of_first(analysis, run)
+    at_once, patience = _fitting(TASK, first, AT_ONCE), effort.until(first * analysis.size)
     drawings: list[Drawing] = []
     for (place,) in _spread([len(maps.numbers)]):
         numbers = maps.numbers[place]
         classes, known = record.told_classes()[numbers], record.done()[numbers]
-        drawing = Drawing(maps, numbers, classes, known, partial(_at, analysis), at_once)
-        drawing.until(begun + PATIENCE * (len(drawings) + 1))
+        drawing = Drawing(maps, numbers, classes, known, partial(_at, analysis, run), at_once)
+        drawing.until(begun + patience * (len(drawings) + 1))
         drawings.append(drawing)
-        if (time.monotonic() - begun) * (1.0 + 1.0 / len(drawings)) > PATIENCE:
+        if (time.monotonic() - begun) * (1.0 + 1.0 / len(drawings)) > patience:
             break
     costs, many = [drawing.cost() for drawing in drawings], len(maps.numbers)
     cost = Cost(*(tuple(np.mean(pairs, axis=0) * many) for pairs in zip(*costs, strict=True)))
@@ -216,29 +315,47 @@ def _of_maps(analysis: AnalysisPlan, maps: Maps, record: Record) -> Sample:
         most = analysis.size / cost.points[1]
         cost = Cost(*((least, high * most) for least, high in cost))
     seconds = [high for _, (_, high) in costs]
-    apart = float(np.std(seconds, ddof=1) / np.mean(seconds)) if len(costs) > 1 else 1.0
+    several = len(costs) > 1 and cost.seconds[1] < inf
+    apart = float(np.std(seconds, ddof=1) / np.mean(seconds)) if several else 1.0
     error = apart * sqrt((1.0 - len(costs) / many) / len(costs))
-    run = sum(int(drawing.was_run.sum()) for drawing in drawings)
-    return Sample(run, sum(drawing.stored for drawing in drawings), cost, error)
+    tried = sum(int(drawing.was_run.sum()) for drawing in drawings)
+    given_up = sum(drawing.given_up for drawing in drawings)
+    stored = sum(drawing.stored for drawing in drawings)
+    return Sample(tried, given_up, stored, cost, (error, error))
 
 
-def _at(analysis: AnalysisPlan, positions: Sequence[int]) -> tuple[Block, float]:
-    """What the points at some positions give, and their processor time, s."""
+def _at(analysis: AnalysisPlan, run: Try, positions: Sequence[int]) -> Tried:
+    """What the points at some positions give and take."""
     shape, dims = analysis.layout.shape, len(analysis.layout.dims)
     places = [[int(i) for i in np.unravel_index(number, shape)] for number in positions]
-    segments = tuple(
-        Segment((_values(analysis, place[:dims]),), place[-1] if len(place) > dims else 0)
-        for place in places
+    return run(
+        tuple(
+            Segment((_values(analysis, place[:dims]),), place[-1] if len(place) > dims else 0)
+            for place in places
+        )
     )
-    result, seconds = _timed(analysis, segments)
-    return result.block, seconds
 
 
-def _estimated(analysis: AnalysisPlan, sample: Sample, stored: int, workers: int) -> Estimate:
+def _estimated(
+    analysis: AnalysisPlan, record: Record, left: int, run: Try, effort: Effort, workers: int
+) -> list[Estimate]:
+    """What the points left of one analysis will cost; nothing where none of it can be run."""
+    if analysis.maps is not None:
+        sample = _of_maps(analysis, analysis.maps, record, run, effort)
+    else:
+        strata = _sampled(analysis, run, effort)
+        sample = _of_strata(strata, _points(analysis), left / analysis.size)
+    stored = int(np.count_nonzero(record.done() & record.wanted()))
+    return [_told(analysis, sample, stored, workers, effort.limit)] if sample.run else []
+
+
+def _told(
+    analysis: AnalysisPlan, sample: Sample, stored: int, workers: int, limit: float
+) -> Estimate:
     at_once = _parallel(analysis, workers)
-    spread = exp(2.0 * hypot(sample.error, OF_TIMING))
+    spreads = [exp(2.0 * hypot(error, OF_TIMING)) for error in sample.errors]
     low, high = (STARTING + seconds / at_once for seconds in sample.cost.seconds)
-    low, high = low / spread, high * spread
+    low, high = low / spreads[0], high * spreads[1]
     of_a_point, points = sample.stored / sample.run, stored + sample.cost.points[1]
     processes = 1 + workers * (workers > 1 and high * at_once > Policy().in_process_below)
     return Estimate(
@@ -246,6 +363,8 @@ def _estimated(analysis: AnalysisPlan, sample: Sample, stored: int, workers: int
         points=(ceil(sample.cost.points[0]), ceil(sample.cost.points[1])),
         sampled=sample.run,
         stored=stored,
+        given_up=sample.given_up,
+        limit=limit,
         expected=sqrt(low * high),
         seconds=(low, high),
         memory=OF_A_PROCESS * processes + IN_MEMORY * of_a_point * analysis.size,
@@ -257,7 +376,7 @@ def _estimated(analysis: AnalysisPlan, sample: Sample, stored: int, workers: int
 def _relative_error(strata: Sequence[Stratum]) -> float:
     """Standard error of what all points take, over it."""
     total = sum(stratum.total for stratum in strata)
-    return hypot(*(stratum.error for stratum in strata)) / total if total else inf
+    return hypot(*(stratum.error for stratum in strata)) / total if 0.0 < total < inf else inf
 
 
 def _points(analysis: AnalysisPlan) -> int:
@@ -275,18 +394,19 @@ def _parallel(analysis: AnalysisPlan, workers: int) -> float:
     return min(most, analysis.size / max(c.positions.shape[1] for c in analysis.chain_sets()))
 
 
-def _sampled(analysis: AnalysisPlan) -> list[Stratum]:
+def _sampled(analysis: AnalysisPlan, run: Try, effort: Effort) -> list[Stratum]:
     """The strata of an analysis, with what a sample of their points takes."""
     begun = time.monotonic()
-    strata = _strata(analysis, _seconds_of_first(analysis))
+    strata = _strata(analysis, _seconds_of_first(analysis, run), effort)
     while not _is_enough(strata):
         stratum = min(strata, key=lambda stratum: stratum.share)
-        if stratum.counts and time.monotonic() - begun > PATIENCE:
+        tried, total = sum(len(one.counts) for one in strata), sum(one.total for one in strata)
+        if stratum.counts and effort.is_spent(time.monotonic() - begun, tried, total):
             break
         unit = next(stratum.left, None)
         stratum.is_exhausted = unit is None
         if unit is not None:
-            _run(analysis, unit, stratum)
+            _run(analysis, unit, stratum, run)
     return strata
 
 
@@ -298,46 +418,57 @@ def _is_enough(strata: Sequence[Stratum]) -> bool:
     return many and told and _relative_error(strata) < ENOUGH
 
 
-def _seconds_of_first(analysis: AnalysisPlan) -> float:
+def _seconds_of_first(analysis: AnalysisPlan, run: Try) -> float:
     """What one point takes, which is not kept: the first may load code."""
     starts = range(len(analysis.template.entries))
     segment = next(_single(analysis, starts), None)
     if segment is None:
         return 0.0
-    _, seconds = _timed(analysis, (segment,))
-    return seconds if seconds > LOADING else _timed(analysis, (segment,))[1]
+    first = run((segment,), OF_FIRST)
+    is_told = first.result is None or first.least > LOADING
+    return first.least if is_told else run((segment,), OF_FIRST).least
 
 
-def _run(analysis: AnalysisPlan, unit: Unit, stratum: Stratum) -> None:
-    """Run a unit and note what it takes."""
+def _run(analysis: AnalysisPlan, unit: Unit, stratum: Stratum, run: Try) -> None:
+    """Run a unit and note what it takes; where the point before it is given up, that point."""
     segments = unit.segments
     if unit.lead is not None:
-        ended, _ = _timed(analysis, (unit.lead,))
-        segments = (replace(segments[0], state=ended.states[0]),)
-    result, seconds = _timed(analysis, segments)
+        ended = run((unit.lead,))
+        if ended.result is None:
+            _note(analysis, (unit.lead,), ended, stratum)
+            return
+        segments = (replace(segments[0], state=ended.result.states[0]),)
+    _note(analysis, segments, run(segments), stratum)
+
+
+def _note(
+    analysis: AnalysisPlan, segments: Sequence[Segment], found: Tried, stratum: Stratum
+) -> None:
     points = (values for segment in segments for values in segment.values)
     stratum.counts.append(sum(analysis.unmet(values) is None for values in points))
-    stratum.seconds.append(seconds)
-    stratum.stored += result.block.nbytes
+    stratum.seconds.append(found.least)
+    stratum.most.append(found.most)
+    stratum.given_up += stratum.counts[-1] * (found.result is None)
+    stratum.stored += found.nbytes
 
 
-def _timed(analysis: AnalysisPlan, segments: tuple[Segment, ...]) -> tuple[Result, float]:
-    """What points give, and their processor time, s: others may use this machine too."""
-    begun = time.process_time()
-    result = run_task(Task(analysis.template, analysis.layout.variables, segments))
-    return result, time.process_time() - begun
+def _tried(
+    probe: Probe, analysis: AnalysisPlan, segments: tuple[Segment, ...], share: float = 1.0
+) -> Tried:
+    """What points give and take."""
+    return probe.run(Task(analysis.template, analysis.layout.variables, segments), share)
 
 
-def _strata(analysis: AnalysisPlan, seconds: float) -> list[Stratum]:
+def _strata(analysis: AnalysisPlan, seconds: float, effort: Effort) -> list[Stratum]:
     """All points, where one takes some `seconds`."""
     entries = analysis.template.entries
     of_a_start = _points(analysis) / len(entries)
     if not of_a_start:
         return []
     alone = [index for index, entry in enumerate(entries) if not continues(entry)]
-    aimed_for = BLOCK if analysis.template.linear else TASK
+    aimed_for = min(effort.limit / 4.0, BLOCK if analysis.template.linear else TASK)
     at_once = _fitting(aimed_for, seconds, AT_ONCE)
-    links = _fitting(PATIENCE / 8.0, seconds, LINKS)
+    links = _fitting(effort.limit / 2.0, seconds, LINKS)
     strata = [Stratum(of_a_start * len(alone), _units(_single(analysis, alone), at_once))]
     strata += [
         Stratum(of_a_start, _pieces(analysis, index, entry, links))

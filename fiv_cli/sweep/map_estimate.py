@@ -11,19 +11,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from fiv_cli.data.block import Block
-from fiv_cli.sweep.borders import Classes, Mask, Picture, draw
+from fiv_cli.sweep.borders import BLANK, Classes, Mask, Picture, draw
+from fiv_cli.sweep.probe import Tried
 from fiv_cli.sweep.refine import USUAL_SAMPLE, Maps, Numbers
 
 MIXED = 1.1
 """By how much more, or less, than is foreseen borders grow each time that a map is halved (those of
 a pin with chaos, from 6 points a side to 161, grew by 1.0 to 1.2)."""
 
-Run = Callable[[Sequence[int]], tuple[Block, float]]
+Run = Callable[[Sequence[int]], Tried]
 
 
 class Cost(NamedTuple):
@@ -41,10 +41,10 @@ class Drawing:
     ----------
     numbers : positions of its points
     classes, known : of each point its class, where that is stored or was run
-    run : computes the points at some positions; their block, row by row, and the time, s
+    run : computes the points at some positions, row by row
     at_once : how many points that are
-    stored : bytes of what was run
-    seconds : what each point took that was run, else NaN
+    stored, given_up : bytes of what was run, and points that took too long
+    seconds : what each point took that was run, least and most, else NaN
     given : points that were stored from the beginning
     """
 
@@ -55,9 +55,10 @@ class Drawing:
     run: Run
     at_once: int
     stored: int = 0
+    given_up: int = 0
 
     def __post_init__(self) -> None:
-        self.seconds = np.full(self.known.shape, np.nan)
+        self.seconds = np.full((2, *self.known.shape), np.nan)
         self.given = self.known.copy()
 
     def until(self, end: float) -> None:
@@ -75,16 +76,20 @@ class Drawing:
         return draw(classes, known, self.maps.refinement.levels)
 
     def _run(self, places: Numbers) -> None:
-        block, seconds = self.run(self.numbers.ravel()[places].tolist())
-        self.classes.ravel()[places] = self.maps.classes_of(block)
+        result, *seconds, nbytes = self.run(self.numbers.ravel()[places].tolist())
         self.known.ravel()[places] = True
-        self.seconds.ravel()[places] = seconds / len(places)
-        self.stored += block.nbytes
+        self.seconds.reshape(2, -1)[:, places] = np.array(seconds)[:, None] / len(places)
+        self.stored += nbytes
+        if result is None:
+            self.classes.ravel()[places] = BLANK
+            self.given_up += len(places)
+            return
+        self.classes.ravel()[places] = self.maps.classes_of(result.block)
 
     @property
     def was_run(self) -> Mask:
         """The points that were run for this."""
-        return ~np.isnan(self.seconds)
+        return ~np.isnan(self.seconds[0])
 
     def _lattice(self, mask: Mask, level: int) -> Mask:
         """The points of the lattice that was halved so often."""
@@ -95,22 +100,23 @@ class Drawing:
         """Of all that is not stored; the further from what was run, the less sure."""
         if not self.was_run.any():
             return Cost((0.0, 0.0), (0.0, 0.0))
-        asked, seconds = self._foreseen() & ~self.given, _as_nearest(self.seconds, self.was_run)
+        asked, nearest = self._foreseen() & ~self.given, _nearest(self.was_run)
+        seconds = np.stack([some[nearest] for some in self.seconds])
         points, spent, unsure = np.zeros(2), np.zeros(2), 0.0
         for level in range(self.maps.refinement.levels + 1):
             new = asked & self._is_new(level)
             left = new & ~self.was_run
             spread = np.array([MIXED**-unsure, MIXED**unsure])
             points += (new & self.was_run).sum() + left.sum() * spread
-            spent += seconds[new & self.was_run].sum() + seconds[left].sum() * spread
+            spent += seconds[:, new & self.was_run].sum(1) + seconds[:, left].sum(1) * spread
             unsure += left.sum() / max(1, new.sum())
         more = np.minimum(points + self._again, self.numbers.size) - points
-        (low, high), (least, most) = points + more, spent + more * seconds.mean()
+        (low, high), (least, most) = points + more, spent + more * seconds.reshape(2, -1).mean(1)
         return Cost((low, high), (least, most))
 
     def _foreseen(self) -> Mask:
         """The points that will be run, were every other as the nearest that is known."""
-        classes = _as_nearest(self.classes, self.known)
+        classes = self.classes[_nearest(self.known)]
         return self._drawn(classes, np.ones_like(self.known)).wanted
 
     def _is_new(self, level: int) -> Mask:
@@ -128,9 +134,8 @@ class Drawing:
         return USUAL_SAMPLE if given is None else given
 
 
-def _as_nearest(values: Any, known: Mask) -> Any:
-    """Of each point the value of the nearest that is known."""
+def _nearest(known: Mask) -> tuple[Numbers, ...]:
+    """Of each point the nearest that is known."""
     from scipy.ndimage import distance_transform_edt
 
-    nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    return values[tuple(nearest)]
+    return tuple(distance_transform_edt(~known, return_distances=False, return_indices=True))

@@ -25,6 +25,7 @@ class Policy:
     chunk_seconds : aim for the duration of a task, s
     in_process_below : estimated work, s, below which no worker processes are started
     cluster : address or file of a scheduler that has the workers; empty: those of this machine
+    foresee : try some points first, and say where the run may take more than an hour
     part : run this part of the plan only; None: all of it
     executor, preparer : ``module:function`` that runs a point, and that prepares the systems
     """
@@ -38,6 +39,7 @@ class Policy:
     chunk_seconds: float = 0.5
     in_process_below: float = 4.0
     cluster: str = ""
+    foresee: bool = False
     part: Part | None = None
     executor: str = EXECUTOR
     preparer: str = PREPARER

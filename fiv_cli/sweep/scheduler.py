@@ -125,6 +125,7 @@ class Scheduler:
     _flights: dict[int, Job] = field(default_factory=dict)
     _held: Job | None = None
     _stopped: bool = False
+    _is_foreseen: bool = False
     _is_told: bool = False
     _done: int = 0
     _total: int = 0
@@ -158,8 +159,8 @@ class Scheduler:
         self.progress.begin(self._total, self._done)
         if not left:
             return False
-        self._prepare([index for index, queue in enumerate(queues) if queue.left])
         with ending.heeded():
+            self._prepare([index for index, queue in enumerate(queues) if queue.left])
             for index, queue in enumerate(queues):
                 self._drain(index, queue, self._paces[index])
         return not self._full()
@@ -178,6 +179,26 @@ class Scheduler:
         differing = unequal_defaults(self.journal.plan.case)
         for sentence in [*differing, *stiff_laws(analyses, self.progress.note)]:
             self.progress.note(sentence)
+        if self.policy.foresee and not self._is_foreseen:
+            self._is_foreseen = True
+            self._foresee()
+
+    def _foresee(self) -> None:
+        """Say before it begins that a run may take long, from points that are tried."""
+        from fiv_cli.sweep.estimate import foreseen
+
+        found = foreseen(self.journal, self.policy)
+        if sum(one.seconds[1] for one in found) > LONG:
+            self._is_told = True
+            for one in found:
+                self.progress.note(
+                    f"{one.name} takes {one.time()} on {counted(one.workers, 'worker')}, cores "
+                    f"being free ({one.basis()})"
+                )
+            self.progress.note(
+                "this run may take more than an hour: Ctrl-C keeps what is finished, "
+                "`fiv check --estimate` tries for longer"
+            )
 
     def _drain(self, index: int, queue: Queue, pace: Pace) -> None:
         """Run everything in one queue, in this process or in workers."""
