@@ -110,16 +110,38 @@ def test_what_there_is_becomes_a_dataset_and_then_the_whole_one(
 
 @pytest.mark.parametrize(("number", "pause"), [*zip(ENDING, (0.1, 0.0, 0.3), strict=True)])
 def test_while_the_dataset_is_written(
-    tmp_path: Path, stored: Path, number: signal.Signals, pause: float
+    tmp_path: Path,
+    datasets: dict[str, bytes],
+    stored: Path,
+    number: signal.Signals,
+    pause: float,
 ) -> None:
+    """One signal leaves it its time."""
     shutil.copytree(stored, tmp_path / "a.run")
     with run(tmp_path, GROUPS, "--workers", "1") as writing:
         wait_for(lambda: list(tmp_path.glob(".a.nc*")), "nothing is written")
         time.sleep(pause)
         writing.send(number)
         assert writing.code(10.0) == 128 + number
-        assert "Traceback" not in writing.said
-    assert not list(tmp_path.glob("*a.nc*"))
+    assert writing.said.endswith(": a.nc is whole\n")
+    assert (tmp_path / "a.nc").read_bytes() == datasets[GROUPS]
+    assert not list(tmp_path.glob(".a.nc*"))
+
+
+def test_a_second_signal_while_the_dataset_is_written(
+    tmp_path: Path, datasets: dict[str, bytes], stored: Path
+) -> None:
+    shutil.copytree(stored, tmp_path / "a.run")
+    with run(tmp_path, GROUPS, "--workers", "1") as writing:
+        wait_for(lambda: list(tmp_path.glob(".a.nc*")), "nothing is written")
+        writing.send(signal.SIGINT)
+        time.sleep(0.6)  # sooner it counts as the same
+        writing.send(signal.SIGINT)
+        assert writing.code(10.0) == 130
+    if (tmp_path / "a.nc").exists():
+        assert (tmp_path / "a.nc").read_bytes() == datasets[GROUPS]
+    else:
+        assert writing.said.endswith("every point is stored; the same command writes the dataset\n")
 
 
 @pytest.mark.parametrize("pause", [0.02, 0.05, 0.08])

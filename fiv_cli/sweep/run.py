@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import shlex
 import time
 from collections.abc import Iterable, Iterator, Mapping
@@ -130,8 +131,9 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         scheduler = Scheduler(journal, policy, progress, logger(folder))
         with _reported(scheduler, output, begun):
             _run_all(scheduler)
-        write_dataset(journal, output)
-        return _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
+            with ending.heeded():  # afterwards: one signal leaves it the seconds that it takes
+                write_dataset(journal, output)
+                return _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
 
 
 def refuse_output(case: Case, output: Path, fresh: bool) -> None:
@@ -342,7 +344,8 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
     if grows(journal):
         note("a refined map: what is to be run grows as its borders are found")
     try:
-        yield
+        with ending.last_act(partial(_say_at_last, journal)):
+            yield
     except BaseException as error:
         asked = isinstance(error, ending.Ended)
         why = str(error) if asked else f"stopped by {type(error).__name__}"
@@ -359,14 +362,27 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
 def _left_behind(journal: Journal, output: Path) -> str:
     """What there is of a run that was ended: a dataset of the points that are done."""
     if not journal.shards():
-        return "no point is done, and there is no dataset"
+        return "no point is done, and there is no dataset; the same command begins again"
     if output == journal.folder:
         return f"{output} holds what is done of its part"
     try:
         write_dataset(journal, output)
     except StorageError as error:
         return f"{error}"
-    return f"{output} holds what is done" + ", and is marked partial" * bool(_partial(journal))
+    if _partial(journal):
+        return f"{output} holds what is done, and is marked partial"
+    return f"{output} is whole"
+
+
+def _say_at_last(journal: Journal) -> None:
+    """Of a run that is ended at once: what there is of it, on stderr."""
+    done, total = journal.progress()
+    told = f"{came(done, total)}, and stored; the same command goes on from here"
+    if done == total and not grows(journal):
+        told = "every point is stored; the same command writes the dataset"
+    elif not done:
+        told = "no point is done; the same command begins again"
+    os.write(2, f"{told}\n".encode())
 
 
 def _claim(folder: Path, case: Case, fresh: bool) -> None:
