@@ -44,6 +44,7 @@ MOST = 20_000  # places that are spread evenly; those after them come in order
 LINKS = 30  # points of a piece of a chain
 TASK, BLOCK = 0.02, 1.0  # s that a task aims for, of points that are run alone and in blocks
 OF_FIRST = 0.25  # share of the limit of a task after which the first point is given up
+ROOM = 100  # times as dear as the first may all points of a task be without being given up
 LOADING = 0.3  # s below which the first point is run again: it also loads code
 
 # Before a run: s for all its analyses, also as a share of what it takes; least and most for a task.
@@ -299,7 +300,8 @@ def _of_maps(
 ) -> Sample:
     """From as many maps as can be drawn while patience lasts, from one at least."""
     begun, first = time.monotonic(), _seconds_of_first(analysis, run)
-    at_once, patience = _fitting(TASK, first, AT_ONCE), effort.until(first * analysis.size)
+    at_once = _fitting(effort.limit / ROOM, first, AT_ONCE)
+    patience = effort.until(first * analysis.size)
     drawings: list[Drawing] = []
     for (place,) in _spread([len(maps.numbers)]):
         numbers = maps.numbers[place]
@@ -466,8 +468,8 @@ def _strata(analysis: AnalysisPlan, seconds: float, effort: Effort) -> list[Stra
     if not of_a_start:
         return []
     alone = [index for index, entry in enumerate(entries) if not continues(entry)]
-    aimed_for = min(effort.limit / 4.0, BLOCK if analysis.template.linear else TASK)
-    at_once = _fitting(aimed_for, seconds, AT_ONCE)
+    aimed_for = BLOCK if analysis.template.linear else min(TASK, effort.limit / ROOM)
+    at_once = _fitting(min(aimed_for, effort.limit / 4.0), seconds, AT_ONCE)
     links = _fitting(effort.limit / 2.0, seconds, LINKS)
     strata = [Stratum(of_a_start * len(alone), _units(_single(analysis, alone), at_once))]
     strata += [

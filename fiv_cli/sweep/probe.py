@@ -1,7 +1,7 @@
 """Points that are run for what they take, in a process that is ended where they take too long.
 
-It is forked: so it has all code that is loaded here, and begins in milliseconds. What limits it is
-its processor time, as others may use this machine too; the system ends it, in compiled code also.
+It is forked: so it has all code that is loaded here, and begins in milliseconds. The system ends
+it, in compiled code also. What is told is processor time, as others may use this machine too.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import gc
 import multiprocessing
 import os
+import resource
 import signal
 import time
 from contextlib import suppress
@@ -23,7 +24,7 @@ from fiv_cli.flags import STATUS
 from fiv_cli.sweep.worker import Result, Task, initialise, run_task
 
 FEW_STEPS = 100_000
-"""Steps of a point that was given up, which say what all that it may take would cost."""
+"""Steps of a task that was given up, which say what all that it may take would cost."""
 
 
 class Tried(NamedTuple):
@@ -48,6 +49,7 @@ class Probe:
 
     limit: float
     most: float = inf
+    _spent: float = 0.0
     _process: BaseProcess | None = None
     _pipe: Connection | None = None
 
@@ -63,34 +65,33 @@ class Probe:
         share : of the limit, after which this one is given up
         """
         ending.heed()
-        limit = share * self.limit
-        found = self._answer(task, limit)
-        if found is not None:
-            return Tried(*found, found[1], found[0].block.nbytes)
-        points = sum(len(segment.values) for segment in task.segments)
-        longest, nbytes = self._first_steps(task)
-        most = points * min(self.most, longest)
-        return Tried(None, limit, max(limit, most), points * nbytes)
+        found = self._answer(task, share * self.limit)
+        if isinstance(found, float):
+            points = sum(len(segment.values) for segment in task.segments)
+            longest, nbytes = self._first_steps(task, max(1000, FEW_STEPS // points))
+            return Tried(None, found, max(found, min(points * self.most, longest)), nbytes)
+        result, seconds = found
+        return Tried(result, seconds, seconds, result.block.nbytes)
 
-    def _first_steps(self, task: Task) -> tuple[float, int]:
-        """What the first point takes if it makes all steps that it may, s, and its bytes."""
-        first, solver = task.segments[0], task.template.solver
-        few = replace(task.template, solver=replace(solver, max_steps=FEW_STEPS))
-        alone = replace(first, values=first.values[:1])
-        found = self._answer(replace(task, template=few, segments=(alone,)), self.limit)
-        if found is None or found[0].block.status[0] != STATUS.codes["budget"]:
-            return inf, 0 if found is None else found[0].block.nbytes
-        return found[1] * solver.max_steps / FEW_STEPS, found[0].block.nbytes
+    def _first_steps(self, task: Task, few: int) -> tuple[float, int]:
+        """What a task takes if all its points make all steps that they may, s, and its bytes."""
+        solver = task.template.solver
+        template = replace(task.template, solver=replace(solver, max_steps=few))
+        found = self._answer(replace(task, template=template), self.limit)
+        if isinstance(found, float):
+            return inf, 0
+        block = found[0].block
+        is_told = (block.status == STATUS.codes["budget"]).any()
+        return found[1] * solver.max_steps / few if is_told else inf, block.nbytes
 
-    def _answer(self, task: Task, limit: float) -> tuple[Result, float] | None:
-        """What a task gives, and its processor time, s; None: it was ended after `limit`."""
-        pipe = self._begun() if self._pipe is None else self._pipe
+    def _answer(self, task: Task, limit: float) -> tuple[Result, float] | float:
+        """What a task gives, and its processor time, s; the time alone: it was ended."""
+        pipe, before = self._begun() if self._pipe is None else self._pipe, self._spent
         with suppress(EOFError, ConnectionError):
             pipe.send((task, limit))
-            answer: tuple[Result, float] = pipe.recv()
-            return answer
-        self._end()
-        return None
+            result, self._spent = pipe.recv()
+            return result, self._spent - before
+        return min(limit, self._end() - before)
 
     def _begun(self) -> Connection:
         context = multiprocessing.get_context("fork")
@@ -103,16 +104,26 @@ class Probe:
         theirs.close()
         return self._pipe
 
-    def _end(self) -> None:
+    def _end(self) -> float:
+        """End the process; its processor time, s."""
+        before = _of_children()
         if self._process is not None and self._pipe is not None:
             self._process.kill()
             self._process.join()
             self._pipe.close()
         self._process = self._pipe = None
+        self._spent = 0.0
+        return _of_children() - before
+
+
+def _of_children() -> float:
+    """Processor time of the processes that have ended, s."""
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return spent.ru_utime + spent.ru_stime
 
 
 def _serve(pipe: Connection, theirs: Connection, parent: int) -> None:
-    """Run what comes; SIGPROF keeps its default action, which ends the process."""
+    """Run what comes; SIGALRM keeps its default action, which ends the process."""
     theirs.close()
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -120,9 +131,7 @@ def _serve(pipe: Connection, theirs: Connection, parent: int) -> None:
     with suppress(EOFError, ConnectionError, ending.Ended):  # the parent is ending, or was about to
         while True:
             task, limit = pipe.recv()
-            signal.setitimer(signal.ITIMER_PROF, limit)
-            begun = time.process_time()
+            signal.setitimer(signal.ITIMER_REAL, limit)
             result = run_task(task)
-            seconds = time.process_time() - begun
-            signal.setitimer(signal.ITIMER_PROF, 0.0)
-            pipe.send((result, seconds))
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            pipe.send((result, time.process_time()))
