@@ -99,6 +99,15 @@ def test_quiet_says_nothing_but_the_path(capsys: pytest.CaptureFixture[str]) -> 
     assert capsys.readouterr() == ("runs/pin.nc\n", "")
 
 
+def test_a_dataset_that_is_not_written_is_not_named_on_stdout(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("fiv_cli.sweep.run.VAST", 1)
+    assert fiv(["run", "pin.toml", "--max-points", "0"]) == 8
+    out, err = capsys.readouterr()
+    assert not out and "runs/pin.nc is not written" in err
+
+
 def test_several_cases_and_overrides(capsys: pytest.CaptureFixture[str]) -> None:
     assert fiv(["run", "pin.toml", "belt.toml", "-q"]) == 0
     assert capsys.readouterr().out == "runs/pin.nc\nruns/belt.nc\n"

@@ -18,6 +18,7 @@ import sweep_fakes
 
 from fiv_cli import files
 from fiv_cli.data.course import Course
+from fiv_cli.data.hdf5 import read_attributes
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageError
 from fiv_cli.sweep import journal
@@ -331,6 +332,35 @@ def test_a_failed_point_loses_no_other_and_says_how_to_run_it_alone(tmp_path: Pa
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+class Notes(Silent):
+    """Keeps what is worth a line."""
+
+    def __init__(self) -> None:
+        self.told: list[str] = []
+
+    def note(self, text: str) -> None:
+        self.told.append(text)
+
+
+def test_a_vast_dataset_of_few_points_is_not_written_before_the_run_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A large one says what goes on; what is stored becomes the same dataset as ever."""
+    for name, limit in (("LARGE", 30), ("VAST", 30), ("SCANT", 0.2)):
+        monkeypatch.setattr(f"fiv_cli.sweep.run.{name}", limit)
+    output, case, notes = tmp_path / "a.nc", sweep_fakes.case(), Notes()
+    few = run_case(case, output, policy(max_points=5), notes)
+    assert not output.exists() and not notes.told
+    assert "as 5 of its 30 points are done" in few.unwritten in "\n".join(few.lines())
+    assert f"`fiv assemble fake.toml -o {output}`" in few.unwritten
+    assert not run_case(case, output, policy(max_points=5), notes).unwritten
+    assert read_attributes(output)["partial"] == "10 of 30 points"
+    assert notes.told[-1].startswith(f"writing {output}: 10 of its 30 points are done; Ctrl-C")
+    assert run_case(case, output, HERE, notes).complete
+    sweep(tmp_path / "b.nc")
+    assert output.read_bytes() == (tmp_path / "b.nc").read_bytes()
+
+
 @pytest.mark.parametrize(
     ("executor", "first", "alike"),
     [("raising", "ValueError: N is two", 0), ("malformed", "cannot be stored", 1)],
@@ -338,16 +368,12 @@ def test_a_failed_point_loses_no_other_and_says_how_to_run_it_alone(tmp_path: Pa
 def test_failures_are_told_as_they_happen_and_once_that_all_fail_alike(
     tmp_path: Path, executor: str, first: str, alike: int
 ) -> None:
-    class Notes(Silent):
-        def note(self, text: str) -> None:
-            told.append(text)
-
-    told: list[str] = []
+    notes = Notes()
     chosen = policy(executor=f"sweep_fakes:{executor}", chunk_points=1)
-    run_case(sweep_fakes.case(), tmp_path / "a.nc", chosen, Notes())
-    (one,) = (text for text in told if text.startswith("a point failed, "))
+    run_case(sweep_fakes.case(), tmp_path / "a.nc", chosen, notes)
+    (one,) = (text for text in notes.told if text.startswith("a point failed, "))
     assert "N=" in one and first in one
-    assert len([text for text in told if text.startswith("all 20 points")]) == alike
+    assert len([text for text in notes.told if text.startswith("all 20 points")]) == alike
 
 
 def test_fail_fast_stops_and_keeps_what_is_finished(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fiv_cli.data.block import Block, fault_of_block, joined
+from fiv_cli.data.block import KEY_BYTES, Block, fault_of_block, joined
 from fiv_cli.data.shard import UnreadableShard, read_shard, write_atomically, write_shard
 from fiv_cli.errors import StorageError
 from fiv_cli.flags import NOT_COMPUTED, STATUS, retried_codes
@@ -448,6 +448,11 @@ def stored_identity(folder: Path) -> dict[str, Any] | None:
     except (OSError, ValueError, RecursionError):
         return None
     return document if isinstance(document, dict) else None
+
+
+def most(folder: Path) -> int:
+    """More points than a run directory can hold: each takes the bytes of its key, and more."""
+    return sum(path.stat().st_size for path in folder.glob("shards/*.h5")) // KEY_BYTES
 
 
 def create(folder: Path) -> None:

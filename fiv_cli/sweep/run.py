@@ -51,6 +51,12 @@ LOOKED_AT = 8
 WORTH_REUSING = 0.5
 """Share of the points to begin with that others must hold to be told: a dataset makes way."""
 
+LARGE, VAST = 1_000_000, 20_000_000
+"""Points of a dataset that takes some seconds to write, which is said, and half a minute."""
+
+SCANT = 0.01
+"""Share of the points of a vast dataset below which it is not written before the run ends."""
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -66,6 +72,7 @@ class Summary:
     errors : (what, command that runs the point alone), the first distinct ones
     refined : of each refined analysis, how many of its points were run
     ignored : shards that could not be used, and why
+    unwritten : why there is no dataset; empty: there is one
     """
 
     output: Path
@@ -76,6 +83,7 @@ class Summary:
     errors: tuple[tuple[str, str], ...] = ()
     refined: tuple[str, ...] = ()
     ignored: tuple[tuple[Path, str], ...] = ()
+    unwritten: str = ""
 
     @property
     def complete(self) -> bool:
@@ -100,6 +108,7 @@ class Summary:
         for what, command in self.errors:
             lines += [f"  {what}", f"    alone: {command}"]
         lines += [f"  {line}" for line in self.refined]
+        lines += [f"  {self.unwritten}"] if self.unwritten else []
         return lines + ([] if self.complete or not self.sound else [f"  {GOES_ON}"])
 
 
@@ -132,8 +141,9 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
         with _reported(scheduler, output, begun):
             _run_all(scheduler)
             with ending.heeded():  # afterwards: one signal leaves it the seconds that it takes
-                write_dataset(journal, output)
-                return _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
+                unwritten = _written(journal, output, progress)
+                summary = _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
+                return replace(summary, unwritten=unwritten)
 
 
 def refuse_output(case: Case, output: Path, fresh: bool) -> None:
@@ -206,12 +216,13 @@ def _stored_elsewhere(journal: Journal) -> str:
     """Of a run that begins from nothing: who holds most of its points, and what to type."""
     plan, folder = journal.plan, journal.folder
     places = {folder.parent, default_output(plan.case).parent} if not journal.shards() else ()
+    enough = WORTH_REUSING * journal.progress()[1]
     for other in _newest(path for place in places for path in place.glob(f"*{RUN_SUFFIX}")):
         stored = store.stored_identity(other) if other != folder else None
-        if stored is None or differences(stored, plan.case):
+        if stored is None or differences(stored, plan.case) or store.most(other) < enough:
             continue
         done, _ = _loaded(Journal(other, plan)).progress()
-        if done > WORTH_REUSING * journal.progress()[1]:
+        if done > enough:
             using = f"the same command with -o {other.with_suffix('.nc')} uses them"
             return (
                 f"{counted(done)} of it lie in {other}; {using} (and makes that dataset this one)"
@@ -259,6 +270,25 @@ def write_dataset(journal: Journal, output: Path) -> None:
     }
     write_datasets(output, datasets, attributes)
     write_receipt(journal.folder, output, sources)
+
+
+def _written(journal: Journal, output: Path, progress: Progress) -> str:
+    """Write the dataset of a run; or say why not, where it lacks nearly all of its points."""
+    size = sum(analysis.size for analysis in journal.plan.analyses)
+    done, total = journal.progress()
+    if size >= VAST and done < min(total, SCANT * size):
+        command = command_of(journal.plan.case).replace("fiv run", "fiv assemble", 1)
+        return (
+            f"{output} is not written, as {done:,} of its {size:,} points are done: the same "
+            f"command goes on, `{command} -o {output}` writes it as it is (for minutes)"
+        )
+    if size >= LARGE:
+        progress.note(
+            f"writing {output}: {done:,} of its {size:,} points are done; Ctrl-C again ends it "
+            "without"
+        )
+    write_dataset(journal, output)
+    return ""
 
 
 def _partial(journal: Journal) -> dict[str, object]:
@@ -354,21 +384,24 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
         for line in _summed_up(journal, output, scheduler.ran, time.monotonic() - begun).lines():
             note(line)
         if asked:
-            raise ending.Ended(f"{why}: {_left_behind(journal, output)}") from error
+            raise ending.Ended(f"{why}: {_left_behind(scheduler, output)}") from error
         raise
     log(f"finished: {scheduler.ran} points run")
 
 
-def _left_behind(journal: Journal, output: Path) -> str:
+def _left_behind(scheduler: Scheduler, output: Path) -> str:
     """What there is of a run that was ended: a dataset of the points that are done."""
+    journal = scheduler.journal
     if not journal.shards():
         return "no point is done, and there is no dataset; the same command begins again"
     if output == journal.folder:
         return f"{output} holds what is done of its part"
     try:
-        write_dataset(journal, output)
+        unwritten = _written(journal, output, scheduler.progress)
     except StorageError as error:
         return f"{error}"
+    if unwritten:
+        return unwritten
     if _partial(journal):
         return f"{output} holds what is done, and is marked partial"
     return f"{output} is whole"
