@@ -237,6 +237,17 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert "(complete, as it was before; `fiv run` writes it anew)" in capsys.readouterr().out
 
 
+def test_status_says_how_many_of_the_points_that_are_done_failed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    limited = ["--time-limit", "1e-5", "--max-points", "1", "-q"]
+    assert fiv(["run", "pin.toml", *limited]) == 4
+    capsys.readouterr()
+    assert fiv(["status", "pin.toml"]) == 0
+    told = "pin.toml: 1 of 4 points done, of which 1 failed\n"
+    assert capsys.readouterr().out.startswith(told)
+
+
 def test_a_class_that_t_max_leaves_open_is_an_answer_a_motion_out_of_events_is_none(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -246,6 +257,9 @@ def test_a_class_that_t_max_leaves_open_is_an_answer_a_motion_out_of_events_is_n
     Path("few.toml").write_text(f"{RESPONSE}[solver]\nmax_events = 1\n")
     assert fiv(["run", "few.toml", "--workers", "1"]) == 4
     assert "too_many_events" in capsys.readouterr().err
+    assert fiv(["status", "few.toml"]) == 0
+    told = "few.toml: 4 of 4 points done, of which 4 met max_steps or max_events\n"
+    assert capsys.readouterr().out.startswith(told)
     assert fiv(["run", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.split())
     assert "4 where some failed or met max_steps or max_events" in told

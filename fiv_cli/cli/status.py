@@ -72,7 +72,8 @@ class Standing:
 
         left, filled = self.counts["pending"], sum(answer.filled for answer in self.answers)
         asked = self.points - filled
-        run = f"{asked - left} of {counted(asked)} done" + f", {filled} filled in" * bool(filled)
+        run = f"{asked - left} of {counted(asked)} done{self._in_vain()}"
+        run += f", {filled} filled in" * bool(filled)
         holds = self._dataset_holds()
         found = [line for answer in self.answers for line in answer.lines(reasons=False)]
         lines = [
@@ -88,6 +89,14 @@ class Standing:
         if self.stored_case_differs:
             lines.append("  what is stored belongs to another case, or to this one as it was:")
         return lines + [f"    {line}" for line in self.stored_case_differs]
+
+    def _in_vain(self) -> str:
+        """How many of the points that are done have no answer."""
+        ends = {"failed": "failed", "budget": "met max_steps or max_events"}
+        told = [
+            f"{self.counts[status]} {how}" for status, how in ends.items() if self.counts[status]
+        ]
+        return f", of which {' and '.join(told)}" if told else ""
 
     def _going_on(self) -> list[str]:
         """Who is running it, or was, how fast, and what to do."""
