@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -17,6 +18,7 @@ from small_cases import ENDLESS, PIN
 from fiv_cli import api
 from fiv_cli.case.case import Refinement
 from fiv_cli.case.load import parse_case
+from fiv_cli.cli.main import run as fiv
 from fiv_cli.sweep.borders import draw
 from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _spread, estimate
 from fiv_cli.sweep.map_estimate import Drawing
@@ -165,3 +167,18 @@ def test_what_is_stored_is_credited(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         found = [(one.points, one.stored) for one in estimate(case, 1, said.append)]
         assert found == [((1, 1), stored)][: 2 - stored]
     assert said[-1] == "every point of equilibrium is stored: nothing is to be run"
+
+
+@pytest.mark.parametrize("points", [250_000, 1_000_000])
+def test_one_number_is_told_of_the_memory_of_a_large_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], points: int
+) -> None:
+    """That of a million points lies in files: it needs no more than these do."""
+    case = tmp_path / "pin.toml"
+    grid = f"N0 = {{ start = 1, stop = 2, num = {points // 2} }}"
+    case.write_text(PIN.replace("[grid]", f"[grid]\n{grid}"))
+    assert fiv(["check", str(case)]) == 0
+    assert "how long depends on what moves" in capsys.readouterr().out
+    assert fiv(["check", str(case), "--estimate", "--workers", "1"]) == 0
+    (told,) = re.findall(r"(\S+) MB of memory", capsys.readouterr().out)
+    assert 200 < float(told) < 700

@@ -25,11 +25,21 @@ from fiv_cli.analyses.base import AT_ONCE
 from fiv_cli.analyses.execute import prepare
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import default_output, differences
+from fiv_cli.data.assemble import LARGE
 from fiv_cli.data.log import run_folder
 from fiv_cli.notation.amounts import HOUR, duration, size
 from fiv_cli.sweep.journal import Journal, Record, stored_identity
 from fiv_cli.sweep.map_estimate import Cost, Drawing
-from fiv_cli.sweep.plan import AnalysisPlan, continues, counted, dim_of, make_plan, visiting_order
+from fiv_cli.sweep.plan import (
+    LARGE_BYTES,
+    LARGE_POINT,
+    AnalysisPlan,
+    continues,
+    counted,
+    dim_of,
+    make_plan,
+    visiting_order,
+)
 from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.probe import Probe, Tried
 from fiv_cli.sweep.refine import Maps
@@ -53,9 +63,10 @@ STEPS = 1e9  # that a run may make for each place that is tried at least: half a
 
 # Relative error that no sample removes: of the timing, and of work besides the points.
 OF_TIMING = 0.1
-# Bytes of a run for each byte of results, and besides (measured on runs of 4 to 5,000 points).
+# Bytes of a run for each byte of results, and besides (measured on runs of 4 to a million points).
 ON_DISK, OF_FILES = 2.3, 100e3  # shards and dataset
 IN_MEMORY, OF_A_PROCESS = 1.3, 200e6
+MERGING, MOST_MERGING = 1.7, 130e6  # shards that become one
 STARTING = 1.0  # s that a run takes besides its points
 
 
@@ -359,7 +370,7 @@ def _told(
     low, high = (STARTING + seconds / at_once for seconds in sample.cost.seconds)
     low, high = low / spreads[0], high * spreads[1]
     of_a_point, points = sample.stored / sample.run, stored + sample.cost.points[1]
-    processes = 1 + workers * (workers > 1 and high * at_once > Policy().in_process_below)
+    processes = workers * (workers > 1 and high * at_once > Policy().in_process_below)
     return Estimate(
         name=analysis.layout.name,
         points=(ceil(sample.cost.points[0]), ceil(sample.cost.points[1])),
@@ -369,10 +380,18 @@ def _told(
         limit=limit,
         expected=sqrt(low * high),
         seconds=(low, high),
-        memory=OF_A_PROCESS * processes + IN_MEMORY * of_a_point * analysis.size,
+        memory=OF_A_PROCESS * processes + _of_dataset(analysis, of_a_point),
         disk=OF_FILES + ON_DISK * of_a_point * points,
         workers=workers,
     )
+
+
+def _of_dataset(analysis: AnalysisPlan, of_a_point: float) -> float:
+    """Bytes of memory of the process that assembles the dataset; a large one lies in files."""
+    results = of_a_point * analysis.size
+    whole = OF_A_PROCESS + IN_MEMORY * results + min(MERGING * results, MOST_MERGING)
+    in_files = 8 * analysis.size * len(analysis.layout.variables) > LARGE
+    return min(whole, LARGE_BYTES + LARGE_POINT * analysis.size) if in_files else whole
 
 
 def _relative_error(strata: Sequence[Stratum]) -> float:
