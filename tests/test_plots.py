@@ -31,6 +31,7 @@ from fiv_cli.plots.style import BLACK, class_colours, dot_size, line_colours, ta
 from fiv_cli.reading.datasets import class_names, flag_names
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
+from fiv_cli.reading.take import taken
 
 AT_A_JUMP = "a mode turns stable, at a jump"
 SLIP_PLUS, SLIP_MINUS = r"slip+ ($v_\mathrm{rel} > 0$)", r"slip- ($v_\mathrm{rel} < 0$)"
@@ -111,7 +112,8 @@ def test_points_without_answer_are_marked(kind):
     (ax,) = draw(data.bifurcation(), figure(kind)).axes
     assert marks(ax, "failed: far")[:, 0] == pytest.approx([2.5])
     assert marks(ax, "undecided: far")[:, 0] == pytest.approx([1.5])
-    assert {"failed: far", "undecided: far", "near", "far"} == set(legend_texts(ax))
+    hollow = {"value of an undecided motion"} if kind == "curve" else set()
+    assert {"failed: far", "undecided: far", "near", "far"} | hollow == set(legend_texts(ax))
 
 
 def test_marks_of_points_without_answer_have_the_colour_of_their_line_or_none():
@@ -575,7 +577,7 @@ def test_a_curve_has_a_line_for_every_start_and_none_leads_to_another_class():
         cut = np.insert(expected, np.flatnonzero(np.diff(classes)) + 1, np.nan)
         assert len(cut) > len(expected)
         assert np.array_equal(marks(ax, label)[:, 1], cut, equal_nan=True)
-    (hollow,) = [line for line in ax.lines if line.get_markerfacecolor() == "none"]
+    hollow, _ = [line for line in ax.lines if line.get_markerfacecolor() == "none"]
     assert hollow.get_linestyle() == "None"
     assert np.array_equal(hollow.get_ydata(), dataset["L_s"].values[undecided])
     assert ax.get_ylabel() == "$L_s$ (rad$^{2}$)"
@@ -588,6 +590,65 @@ def test_what_is_taken_over_undecided_points_is_called_undecided():
     assert ax.get_ylabel().startswith("spread of $L")
     assert marks(ax, "undecided")[:, 0].tolist() == pytest.approx([1.5])
     assert marks(ax, "failed")[:, 0].tolist() == pytest.approx([2.5])
+
+
+def share_of_periodic(undecided):
+    """What is taken over both starts, and a dataset in which some points are undecided."""
+    dataset = data.bifurcation()
+    dataset["attractor"][undecided, 1] = data.codes(data.ATTRACTORS, "undecided")
+    return dataset, {"what": "share", "of": "periodic", "over": ["initial"]}
+
+
+def test_what_is_taken_over_undecided_points_is_a_bar_over_all_that_it_may_be():
+    """The line leads through what is known alone."""
+    dataset, taking = share_of_periodic([3, 4, 20])
+    (ax,) = draw(dataset, figure("curve", variable="attractor", take=taking)).axes
+    found = taken(dataset, "attractor", taking)
+    ends = np.stack([found["share_low"], found["share_high"]], axis=-1)
+    wide = ends[:, 0] < ends[:, 1]
+    (bars,) = (np.array(c.get_segments()) for c in ax.collections)
+    np.testing.assert_allclose(bars[:, 0, 0], dataset["Omega"].values[wide])
+    np.testing.assert_allclose(bars[:, :, 1], ends[wide])
+    known = ax.lines[0].get_ydata()
+    np.testing.assert_allclose(known[np.isfinite(known)], ends[~wide, 0])
+    assert {3, 4, 20} <= {*np.flatnonzero(wide)}
+    assert legend_texts(ax).count("undecided points: from least to greatest") == 1
+    taking = {"what": "greatest", "over": ["initial"]}
+    (ax,) = draw(dataset, figure("curve", variable="L_s", take=taking)).axes
+    (least,) = [line for line in ax.lines if line.get_label() == "_undecided points: at least"]
+    assert {*dataset["Omega"].values[[3, 4, 20]]} <= {*least.get_xdata()}
+    assert "undecided points: at least" in legend_texts(ax)
+
+
+def test_numbers_taken_over_undecided_points_are_marked_on_a_map():
+    dataset = data.stability_map()
+    dataset["attractor"][3, 5, 1] = data.codes(data.ATTRACTORS, "undecided")
+    taking = {"what": "share", "of": "periodic", "over": ["initial"]}
+    settings = {"variable": "attractor", "take": taking, "level": 0.6}
+    drawn = draw(dataset, figure("map", **settings))
+    told = "undecided points: middle of least and greatest"
+    found = taken(dataset, "attractor", taking)
+    wide = (found["share_low"] < found["share_high"]).transpose("Omega", "N0").values
+    assert wide[3, 5]
+    places = {(dataset["Omega"].values[x], dataset["N0"].values[y]) for x, y in np.argwhere(wide)}
+    assert {*map(tuple, marks(drawn.axes[0], told))} == places
+    assert told in legend_texts(drawn)
+    assert any(text.endswith("by the least and by the greatest") for text in legend_texts(drawn))
+
+
+def test_hollow_values_are_named_and_keys_have_the_one_colour_that_they_stand_for():
+    """Black where that is several."""
+    hollow, dataset = "value of an undecided motion", data.bifurcation()
+    one = draw(dataset, figure("curve")).axes[0]
+    dataset["attractor"][10] = data.codes(data.ATTRACTORS, "undecided")
+    both = draw(dataset, figure("curve")).axes[0]
+    for ax, count in ((one, 1), (both, 2)):
+        drawn = [line for line in ax.lines if str(line.get_label()).endswith(f", {hollow}")]
+        (key,) = [line for line in ax.lines if line.get_label() == hollow]
+        colours = [to_hex(line.get_color()) for line in drawn]
+        assert len(colours) == count
+        assert to_hex(key.get_color()) == (colours[0] if count == 1 else BLACK)
+        assert hollow in legend_texts(ax)
 
 
 def test_a_line_stands_where_the_section_that_motions_choose_changes():

@@ -16,7 +16,14 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, points, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, headlines, numbers, unknown_points, width_of
+from fiv_cli.reading.datasets import (
+    ends_of,
+    flag_names,
+    headlines,
+    numbers,
+    unknown_points,
+    width_of,
+)
 from fiv_cli.reading.shares import ERROR
 
 if TYPE_CHECKING:
@@ -25,6 +32,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CLASS_SHIFT = 0.06
+HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
+BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
+UNSURE = {
+    "value of an undecided motion": HOLLOW,
+    "undecided points: from least to greatest": BAR,
+    "undecided points: at least": {"marker": "^", "ms": 4, "ls": "none"},
+    "undecided points: at most": {"marker": "v", "ms": 4, "ls": "none"},
+}
 
 # The pairs of classes that tell crossings apart. To a question about a number motions of one class
 # may give two answers; then these tell.
@@ -45,7 +60,7 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """Lines of every layer; undecided points are hollow.
+    """Lines of every layer; undecided points are hollow, or bars over all that they may be.
 
     No line leads through these, nor from a point of one class to a neighbour of another.
     """
@@ -59,7 +74,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         for name in own
         for curve in _curves(layer, name, len(own) > 1, settings)
     ]
-    anything = any(np.isfinite(curve.y).any() for _, curve in drawn)
+    anything = any(np.isfinite([curve.y, *curve.ends]).any() for _, curve in drawn)
     points.refuse_empty(dataset, anything, names[0])
     figure, axes = style.new_panels(len(panels), 1, points.title(dataset), sharex=True)
     entries = points.entries([curve.label for _, curve in drawn])
@@ -98,6 +113,9 @@ def _panel(
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         _plot(ax, curve, shift, entry, classes or entry.scattered or not numeric)
+    for told, look in UNSURE.items():
+        if any(str(drawn.get_label()).endswith(told) for drawn in (*ax.lines, *ax.collections)):
+            ax.plot([], [], color=style.BLACK, label=told, **look)
     if not classes:
         style.level(ax)
     _name_values(ax, variables)
@@ -105,7 +123,7 @@ def _panel(
 
 def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool) -> None:
     """One line; without lines between points that stand `apart`."""
-    y = curve.y + shift
+    y = np.where(curve.is_wide, np.nan, curve.y) + shift
     look: dict[str, Any] = {"marker": ".", "ms": 3, "color": entry.colour}
     known = np.where(curve.open, np.nan, y)
     x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
@@ -114,13 +132,28 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], label=entry.label, **look)
-    if curve.open.any():
-        at = curve.open
-        ax.plot(curve.x[at], y[at], "o", ms=3, color=entry.colour, mfc="none", mew=0.6,
-                label=points.unlisted(entry.label, "undecided"))  # fmt: skip
+    _plot_unsure(ax, curve, shift, entry)
     if curve.width is not None and np.nan_to_num(curve.width).any():
         bars = ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
         bars.lines[2][0].set_label(points.unlisted(entry.label, "error bar"))
+
+
+def _plot_unsure(ax: Axes, curve: _Curve, shift: float, entry: points.Entry) -> None:
+    """What is no sure number: hollow or, in the ways of `UNSURE`, all that it may be."""
+    low, high = curve.ends
+    bounded = curve.is_wide & np.isfinite(low + high)
+    hollow, bar, above, below = UNSURE
+    for told, at, y in (
+        (hollow, curve.open, curve.y + shift),
+        (above, curve.is_wide & np.isposinf(high), low),
+        (below, curve.is_wide & np.isneginf(low), high),
+    ):
+        if np.isfinite(y[at]).any():
+            label = points.unlisted(entry.label, told)
+            ax.plot(curve.x[at], y[at], color=entry.colour, label=label, **UNSURE[told])
+    if bounded.any():
+        label = points.unlisted(entry.label, bar)
+        ax.vlines(curve.x[bounded], low[bounded], high[bounded], entry.colour, label=label, **BAR)
 
 
 def _headlines(dataset: xr.Dataset) -> list[str]:
@@ -144,18 +177,25 @@ class _Curve:
     """One line: the words for its place, and for its variable if several share the panel.
 
     Its points have a width. `open` are those whose class is undecided: their numbers are those of
-    some stretch of time. `jumps` are the places at which another class begins. `sort` is what a
-    dash means, where colours mean another thing.
+    some stretch of time. `ends` are the least and the greatest that each may be. `jumps` are the
+    places at which another class begins. `sort` is what a dash means, where colours mean another
+    thing.
     """
 
     label: str
     x: np.ndarray
     y: np.ndarray
     open: np.ndarray
+    ends: tuple[np.ndarray, np.ndarray]
     width: np.ndarray | None = None
     jumps: Sequence[int] = ()
     dash: Any = "-"
     sort: str = ""
+
+    @property
+    def is_wide(self) -> np.ndarray:
+        """Where it may be more than one number."""
+        return self.ends[0] < self.ends[1]
 
 
 def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settings) -> list[_Curve]:
@@ -177,13 +217,14 @@ def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settin
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     curves = []
     for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
-        y, open_, told = (
-            one.isel(line.index).values for one in (array, unsure & array.notnull(), classes)
+        y, open_, told, *ends = (
+            one.isel(line.index).values
+            for one in (array, unsure & array.notnull(), classes, *ends_of(dataset, name))
         )
         jumps = (np.flatnonzero(told[1:] != told[:-1]) + 1).tolist()
         label = points.joined(words, layer.label, line.label)
         width = None if error is None else 2.0 * error.isel(line.index).values
-        curves.append(_Curve(label, x, y, open_, width, jumps))
+        curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), width, jumps))
     return curves
 
 
@@ -206,7 +247,7 @@ def _by_sort(
             for places in _joined(kept, mode):
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
-                found = (x[at[0]], kept[at], unsure, known[at])
+                found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), known[at])
                 dashed = {"dash": dash, "sort": sort} if label else {}
                 curves.append(_Curve(label or sort, *found, **dashed))
     return curves

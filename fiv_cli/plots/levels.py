@@ -119,19 +119,33 @@ def overlay(
         draw(ax, places, ends, levels, colour, named=not single, styles=styles)
         handles.append(Line2D([], [], color=colour, ls=dash, label=_entry(label, ends, levels)))
     told = [handle for handle in handles if handle.get_label()]
-    told += [] if single else keys(array, levels, style.BLACK)
+    every = [ends for _, ends in planes]
+    told += [] if single else keys(array, levels, style.BLACK, every)
     # an axis without points of its own would be as large as the lines alone
     ax.set(xlim=_range(places[0]), ylim=_range(places[1]))
     if told:
-        style.legend_below(ax.figure.figure, told, _words(array, levels[0]) if single else "")
+        style.legend_below(
+            ax.figure.figure, told, f"{_words(array, levels[0])}{_both(every)}" if single else ""
+        )
     else:
-        style.legend_below(ax.figure.figure, keys(array, levels, colours[0]))
+        style.legend_below(ax.figure.figure, keys(array, levels, colours[0], every))
 
 
-def keys(array: xr.DataArray, levels: Sequence[float], colour: ColorType) -> list[Line2D]:
-    """An entry of a legend for each level."""
-    pairs = zip(levels, STYLES, strict=False)
-    return [Line2D([], [], color=colour, ls=s, label=_words(array, level)) for level, s in pairs]
+def keys(
+    array: xr.DataArray,
+    levels: Sequence[float],
+    colour: ColorType,
+    planes: Sequence[Sequence[np.ndarray]],
+) -> list[Line2D]:
+    """An entry of a legend for each level that is drawn in some planes (values of each end)."""
+    words = [f"{_words(array, level)}{_both(planes)}" for level in levels]
+    pairs = zip(words, STYLES, strict=False)
+    return [Line2D([], [], color=colour, ls=dash, label=word) for word, dash in pairs]
+
+
+def _both(planes: Sequence[Sequence[np.ndarray]]) -> str:
+    """What lines there are where planes have two ends."""
+    return ", by the least and by the greatest" if any(len(ends) > 1 for ends in planes) else ""
 
 
 def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> str:

@@ -15,7 +15,14 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, levels, points, style
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import filled_in, flag_names, headlines, is_class, numbers
+from fiv_cli.reading.datasets import (
+    ends_of,
+    filled_in,
+    flag_names,
+    headlines,
+    is_class,
+    numbers,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,7 +64,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     if flag_names(planes.array.attrs):
         _paint_classes(figure, axes, planes)
     else:
-        keys = levels.keys(planes.array, lines, style.VERMILLION)
+        ends = [*map(planes.ends, planes.panels)]
+        keys = levels.keys(planes.array, lines, style.VERMILLION, ends)
         _paint_numbers(figure, axes, planes, keys, logarithmic="z" in str(settings.get("log")))
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
         levels.draw(ax, planes.places, planes.ends(panel), lines, style.VERMILLION)
@@ -292,17 +300,25 @@ def _ends(known: np.ndarray, logarithmic: bool) -> tuple[float, float]:
     return (float(shown.min()), float(shown.max())) if shown.size else (0.0, 1.0)
 
 
-def _mark_undecided(axes: Sequence[Axes], planes: _Planes, known: xr.DataArray) -> Sequence[Artist]:
-    """Dots on numbers of motions that had not settled, and the entry of a legend for them."""
-    undecided = points.gaps(planes.dataset).get("undecided")
-    if undecided is None or undecided.dims != known.dims or not bool((undecided & known).any()):
-        return []
-    marked: Sequence[Artist] = ()
-    for ax, panel in zip(axes, planes.panels, strict=False):
-        rows, columns = np.nonzero(planes.of(undecided & known, panel))
-        x, y = planes.places
-        marked = ax.plot(
-            x[columns], y[rows], "o", color="white", mec=style.BLACK, mew=0.5, ms=2.5,
-            ls="none", label="undecided",
-        )  # fmt: skip
-    return marked
+def _mark_undecided(axes: Sequence[Axes], planes: _Planes, known: xr.DataArray) -> list[Artist]:
+    """Dots on numbers that are not sure, and the entries of a legend for them."""
+    entries: list[Artist] = []
+    for told, unsure in _unsure(planes).items():
+        if unsure.dims == known.dims and bool((unsure & known).any()):
+            for ax, panel in zip(axes, planes.panels, strict=False):
+                rows, columns = np.nonzero(planes.of(unsure & known, panel))
+                x, y = planes.places
+                marked = ax.plot(
+                    x[columns], y[rows], "o", color="white", mec=style.BLACK, mew=0.5, ms=2.5,
+                    ls="none", label=told,
+                )  # fmt: skip
+            entries += marked
+    return entries
+
+
+def _unsure(planes: _Planes) -> dict[str, xr.DataArray]:
+    """Why -> numbers of motions that had not settled, and what is taken over such."""
+    gaps = points.gaps(planes.dataset)
+    low, high = ends_of(planes.dataset, str(planes.array.name))
+    own = {"undecided": gaps["undecided"]} if "undecided" in gaps else {}
+    return own | {"undecided points: middle of least and greatest": low < high}

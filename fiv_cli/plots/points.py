@@ -442,6 +442,7 @@ def legend(axes: Sequence[Axes]) -> None:
     Of several panels it is below. None for a single line.
     """
     figure = axes[0].figure.figure
+    style.colour_keys(axes)
     handles, names = _thinned(*style.told_in(axes))
     beside, many = style.letters(figure), len(names) > MOST_ENTRIES_INSIDE
     narrow = beside < LEAST_LETTERS and len(names) > 2

@@ -23,6 +23,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.lines import Line2D
@@ -291,6 +292,38 @@ def even_keys(legend: Legend) -> None:
             key.set_markersize(KEY)
         elif isinstance(key, PathCollection):
             key.set_sizes([(KEY * _LOOK.get().weight) ** 2])  # what is no line is not thickened
+
+
+def colour_keys(axes: Sequence[Axes]) -> None:
+    """Keys of legends that stand for what is drawn in one colour have this one, not black.
+
+    A key is a black line without points; what it stands for has its words at the end of a label.
+    """
+    drawn = [*_coloured(axes)]
+    for key in (line for ax in axes for line in ax.lines if _is_key(line)):
+        words = re.compile(f"_(.*, )?{re.escape(str(key.get_label()))}")
+        colours = {colour for label, colour in drawn if words.fullmatch(label)}
+        if key.get_color() == BLACK and len(colours) == 1:
+            key.set_color(colours.pop())
+
+
+def _coloured(axes: Sequence[Axes]) -> Iterator[tuple[str, str]]:
+    """Label and colour of the lines that are drawn."""
+    for ax in axes:
+        for line in ax.lines:
+            if not _is_key(line):
+                yield str(line.get_label()), _hex(line.get_color())
+        for lines in ax.collections:
+            if isinstance(lines, LineCollection):
+                yield str(lines.get_label()), _hex(np.atleast_2d(lines.get_color())[0])
+
+
+def _is_key(line: Line2D) -> bool:
+    return not np.size(line.get_xdata())
+
+
+def _hex(colour: Any) -> str:
+    return to_hex(colour)
 
 
 def told_in(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
