@@ -851,6 +851,32 @@ def test_crossings_are_joined_in_order_or_by_their_mode():
     assert drawn == [[[1.0, 1.0], [2.0, 1.1], [3.0, 1.2], [4.0, 1.3]], [[2.0, 0.2]]]
 
 
+@pytest.mark.parametrize(
+    ("heights", "modes", "lines"),
+    [
+        (  # one mode ends between the first two points, and another begins
+            [[0.67, 0.98], [0.98, 4.9], [0.98, 1.8], [0.98, 1.5]],
+            [[0, 2], [2, 4], [2, 4], [2, 4]],
+            [[0.67], [0.98] * 4, [4.9, 1.8, 1.5]],
+        ),
+        (  # as many of the same mode, but not the same, for there was one more in all
+            [[0.38, 3.8], [10.7, np.nan], [5.9, np.nan], [5.1, np.nan]],
+            [[4, 6], [4, 0], [4, 0], [4, 0]],
+            [[0.38], [3.8], [10.7, 5.9, 5.1]],
+        ),
+        ([[1, 5], [1.1, 5.1], [1.2, 5.2], [1.3, 5.3]],  # the numbers of two modes change
+         [[0, 2], [2, 0], [2, 0], [2, 0]],
+         [[1, 1.1, 1.2, 1.3], [5, 5.1, 5.2, 5.3]]),
+    ],
+)  # fmt: skip
+def test_crossings_are_joined_only_as_far_as_they_can_be_followed(heights, modes, lines):
+    dataset = data.crossings().isel(crossing=[1, 1], R=[0, 0, 0, 0])
+    dataset = dataset.assign_coords(R=[1.0, 2.0, 3.0, 4.0])
+    dataset["critical_value"][:], dataset["crossing_mode"][:] = heights, modes
+    (ax,) = draw(dataset, figure("curve")).axes
+    assert sorted(line.get_ydata().tolist() for line in ax.lines) == lines
+
+
 def test_a_curve_of_boundaries_says_what_lies_below_and_above_and_how_well_it_is_known():
     dataset = data.boundaries()
     (ax,) = draw(dataset, figure("curve")).axes

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, pairwise, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,6 +40,9 @@ UNSURE = {
     "undecided points: at least": {"marker": "^", "ms": 4, "ls": "none"},
     "undecided points: at most": {"marker": "v", "ms": 4, "ls": "none"},
 }
+ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
+SMALL = 0.02  # ... or of all values
+SHORTER = 1.01
 
 # The pairs of classes that tell crossings apart. To a question about a number motions of one class
 # may give two answers; then these tell.
@@ -244,7 +247,7 @@ def _by_sort(
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values
                 for part in (array, widths, modes)
             )
-            for places in _joined(kept, mode):
+            for places in _joined(x, kept, mode):
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), known[at])
@@ -253,26 +256,81 @@ def _by_sort(
     return curves
 
 
-def _joined(values: np.ndarray, modes: np.ndarray) -> list[list[tuple[int, int]]]:
-    """Lines through crossings, (points, crossings), as places along them.
+Place = tuple[int, int]
+"""Numbers of a point and of a crossing there."""
 
-    From one point to the next crossings are joined in order where they are equally many, else
-    those of the same mode.
+
+def _joined(x: np.ndarray, values: np.ndarray, modes: np.ndarray) -> list[list[Place]]:
+    """Lines through crossings, shape (points, crossings), as places along them.
+
+    Crossings of neighbours are joined as far as it can be told that they belong together.
     """
-    lines: list[list[tuple[int, int]]] = []
-    open_lines: list[list[tuple[int, int]]] = []
-    for point, row in enumerate(values):
-        places = [(point, int(i)) for i in np.argsort(row)[: np.isfinite(row).sum()]]
-        if len(places) == len(open_lines):
-            pairs = dict(zip(places, open_lines, strict=True))
-        else:
-            of_mode = {modes[line[-1]]: line for line in reversed(open_lines)}
-            pairs = {p: of_mode.pop(modes[p]) for p in places if modes[p] in of_mode}
-        open_lines = [pairs.get(place, []) for place in places]
-        lines += [line for line in open_lines if not line]
-        for line, place in zip(open_lines, places, strict=True):
-            line.append(place)
-    return lines
+    rows = [
+        [(point, int(i)) for i in np.argsort(row)[: np.isfinite(row).sum()]]
+        for point, row in enumerate(values)
+    ]
+    lines: dict[Place, list[Place]] = {place: [place] for row in rows for place in row}
+    for before, after in pairwise(rows):
+        for one, other in _pairs(before, after, values, modes):
+            lines[other] = lines[one]
+            lines[one].append(other)
+    distinct = {id(line): line for line in lines.values()}.values()
+    return [piece for line in distinct for piece in _followed(line, x, values, modes)]
+
+
+def _pairs(
+    before: list[Place], after: list[Place], values: np.ndarray, modes: np.ndarray
+) -> list[tuple[Place, Place]]:
+    """Which crossings of two neighbours may be one: of one mode, the others in order.
+
+    All are in order where that is the shorter way: the numbers of modes differ then.
+    """
+    pairs = []
+    for mode in {modes[place] for place in before}:
+        own, its = ([p for p in row if modes[p] == mode] for row in (before, after))
+        pairs += _nearest(own, its, values)
+    if len(before) != len(after):
+        return pairs
+    left = ([p for p in row if p not in chain(*pairs)] for row in (before, after))
+    pairs += zip(*left, strict=True)
+    in_order = [*zip(before, after, strict=True)]
+    return in_order if _way(pairs, values) > SHORTER * _way(in_order, values) else pairs
+
+
+def _way(pairs: Sequence[tuple[Place, Place]], values: np.ndarray) -> float:
+    return float(sum(abs(values[one] - values[other]) for one, other in pairs))
+
+
+def _nearest(
+    before: list[Place], after: list[Place], values: np.ndarray
+) -> list[tuple[Place, Place]]:
+    """In order where they are equally many, else those that are nearest to one another."""
+    if len(before) == len(after) or not before or not after:
+        return [*zip(before, after, strict=False)]
+    apart = np.abs(np.subtract.outer([values[p] for p in before], [values[p] for p in after]))
+    to, back = apart.argmin(axis=1).tolist(), apart.argmin(axis=0).tolist()
+    return [(before[n], after[m]) for n, m in enumerate(to) if back[m] == n]
+
+
+def _followed(
+    line: list[Place], x: np.ndarray, values: np.ndarray, modes: np.ndarray
+) -> list[list[Place]]:
+    """The pieces of a line between steps that are large against those beside them.
+
+    The more speaks for a step, the larger it may be: that as many crossings of the same mode lie
+    at both its ends, and that the line goes on as it does.
+    """
+    at = tuple(np.array(line).T)
+    steps, counts = np.diff(values[at]), np.isfinite(values).sum(axis=1)[at[0]]
+    slopes = steps / np.diff(x[at[0]])
+    alike = (np.diff(counts) == 0) & (np.diff(modes[at]) == 0)
+    beside = np.stack([np.append(np.nan, slopes)[:-1], np.append(slopes, np.nan)[1:]])
+    goes_on = (beside * slopes > 0.0).any(axis=0)
+    room = np.take(ROOM, alike * 1 + goes_on) * np.nan_to_num(np.abs(beside)).max(axis=0)
+    kept = (np.abs(slopes) <= room) | (alike & np.isnan(beside).all(axis=0))
+    kept |= np.abs(steps) <= SMALL * (np.nanmax(values) - np.nanmin(values))
+    cuts = [0, *(np.flatnonzero(~kept) + 1).tolist(), len(line)]
+    return [line[begin:end] for begin, end in pairwise(cuts)]
 
 
 def _modes(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
