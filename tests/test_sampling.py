@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import synthetic_datasets as data
 import xarray as xr
 
 from fiv_cli import api
@@ -45,6 +46,40 @@ def test_samples_are_too_few_from_a_few_a_period_on(samples: float, coarse: bool
     assert is_coarse(motion) == is_coarse(motion, "x_dot") == coarse
     if coarse and samples > 1:
         assert 1 / 60 < enough(motion) < 1 / 20
+
+
+@pytest.mark.parametrize("sample", [0.1, 0.3, 1.0, 2.2])
+def test_nothing_is_drawn_faster_than_the_belt_that_drives_it(
+    sample: float, tmp_path: Path
+) -> None:
+    """Its speed has a corner at each landing, from which samples lead beyond."""
+    case, path = tmp_path / "case.toml", tmp_path / "m.nc"
+    case.write_text(CASE)
+    given = ["--t-end", "90", "--sample", f"{sample}", "--set", "initial.far.state.x=0"]
+    assert run(["history", str(case), *given, "-o", str(path)]) == 0
+    analyses = read_analyses(path)
+    (motion,) = analyses.values()
+    assert is_coarse(motion.squeeze(drop=True)) == (sample >= 1.0)
+    (ax,) = draw(analyses, FigureSpec("p", "phase", {})).axes
+    pieces = [s for c in ax.collections for s in c.get_segments()]
+    pieces += [line.get_xydata() for line in ax.lines]
+    fastest = np.concatenate(pieces)[:, 1].max()
+    assert 0.99 < fastest <= 1.0 + 1e-9
+
+
+@pytest.mark.parametrize("fast", [1.0, 30.0])
+def test_where_samples_follow_one_state_of_a_figure_and_not_another_all_are_points(
+    fast: float,
+) -> None:
+    dataset = data.history(labels=("far",))
+    dataset = dataset.drop_vars([name for name in dataset if name.startswith("event_")])
+    angle = dataset["time"] * 6.0 * fast
+    dataset["theta"][0], dataset["theta_dot"][0] = np.sin(angle), 6.0 * fast * np.cos(angle)
+    for kind in ("history", "phase"):
+        axes = draw(dataset, FigureSpec("f", kind, {"x": "phi", "y": "theta"})).axes
+        for ax in axes:
+            assert any(line.get_marker() == "." for line in ax.lines) == (fast > 1.0)
+            assert fast == 1.0 or not [one for one in ax.collections if one.get_paths()]
 
 
 @pytest.fixture

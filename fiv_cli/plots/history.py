@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.patches import Patch
 
 from fiv_cli.plots import labels, motion, points, style
+from fiv_cli.plots.drawn import DECORATION
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -31,7 +32,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes = style.new_panels(len(names), len(motions), points.title(dataset), sharex="col")
     for number, ax in enumerate(axes):
         row, column = divmod(number, len(motions))
-        _panel(ax, motions[column], names[row], settings)
+        one = motions[column]
+        _panel(ax, one, names[row], settings, coarse=one.is_coarse(*names))
         if row == 0:
             ax.set_title(motions[column].label)
         if column == 0:
@@ -48,7 +50,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     return figure
 
 
-def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -> None:
+def _panel(
+    ax: Axes, one: motion.Motion, name: str, settings: points.Settings, *, coarse: bool
+) -> None:
     for state, begin, end in motion.contact_spans(one, settings):
         ax.axvspan(begin, end, **_shade(state))
     for _, begin, end in motion.other_sticks(one, settings):
@@ -56,10 +60,10 @@ def _panel(ax: Axes, one: motion.Motion, name: str, settings: points.Settings) -
     values, many = motion.of_contact(one.data[name], settings), one.time.size > style.MANY_MARKS
     if "point" in one.data[name].dims:
         for curve, label, color in zip(values, motion.places(one), cycle(style.LINES)):
-            _curve(ax, one, name, curve, color=color, label=label, rasterized=many)
+            _curve(ax, one, name, curve, coarse, color=color, label=label, rasterized=many)
     else:
         told = points.unlisted(one.label, name)
-        _curve(ax, one, name, values, color=style.BLACK, label=told, rasterized=many)
+        _curve(ax, one, name, values, coarse, color=style.BLACK, label=told, rasterized=many)
     ax.margins(x=0)
     style.level(ax)
     points.scale(ax, settings)
@@ -69,18 +73,22 @@ def _shade(state: str) -> dict[str, Any]:
     return {"color": style.CLASSES[state], "alpha": SHADES[state], "lw": 0}
 
 
-def _curve(ax: Axes, one: motion.Motion, name: str, values: np.ndarray, **look: Any) -> None:
+def _curve(
+    ax: Axes, one: motion.Motion, name: str, values: np.ndarray, coarse: bool, **look: Any
+) -> None:
     """The curve through samples and events; where it would be invented, what the samples tell.
 
     That is their range over each of many short times, where many of them lie there.
     """
-    if not one.is_coarse(name):
+    if not coarse:
         ax.plot(one.drawn_time, one.drawn(name, values), lw=0.9, **look)
     elif not _is_dense(one):
         ax.plot(one.time, values, ".", ms=1.5, **look)
     else:
         ranges = [(t[t.size // 2], v.min(), v.max()) for t, v in _in_columns(one.time, values)]
         ax.vlines(*np.transpose(ranges), lw=0.8, capstyle="projecting", **look)
+        middle, low, _ = np.transpose(ranges)  # a range of no height is a line of none
+        ax.plot(middle, low, ".", ms=1.0, mew=0.0, **look | {"label": DECORATION})
 
 
 def _is_dense(one: motion.Motion) -> bool:

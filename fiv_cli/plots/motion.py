@@ -74,53 +74,34 @@ class Motion:
         places = np.searchsorted(self.time, self.instants, "right")
         return np.repeat(places, 2), np.stack([before, after], axis=-1).reshape(-1)
 
+    def _met(self, values: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+        """One value at each instant: beyond the samples beside it as far as both sides lead."""
+        last = np.searchsorted(self.time, self.instants, "right") - 1
+        beside = np.sort([values[last], values[last + 1]], axis=0)
+        least, greatest = np.sort([before, after], axis=0)
+        low, high = np.minimum(beside[0], greatest), np.maximum(beside[1], least)
+        return np.clip(0.5 * (before + after), low, high)
+
     def drawn(self, name: str, values: np.ndarray) -> np.ndarray:
         """Values of a variable over `drawn_time`.
 
-        At an event those before and after it, each as the samples of its side lead there; their
-        mean where the variable does not jump.
+        At an event those before and after it, each as the samples of its side lead there; one for
+        both where the variable does not jump.
         """
         if not self.instants.size:
             return values
         rates = self.data[f"{name}_dot"].values if f"{name}_dot" in self.data else None
-        before, after = (self._beside(values, side, rates) for side in (-1, 1))
+        before, after = (
+            sampling.led_to(self.instants, self.time, values, side, rates) for side in (-1, 1)
+        )
         if self.data[name].attrs.get("units") not in JUMPING:
             impacts = [e.time for e in self.events if e.before == "separation" and rates is None]
-            mean, jumps = 0.5 * (before + after), np.isin(self.instants, impacts)
-            before, after = np.where(jumps, before, mean), np.where(jumps, after, mean)
+            met, jumps = self._met(values, before, after), np.isin(self.instants, impacts)
+            before, after = np.where(jumps, before, met), np.where(jumps, after, met)
         else:  # friction has bounds: no value is drawn beyond those of samples
             bounds = np.nanmin(values), np.nanmax(values)
             before, after = np.clip(before, *bounds), np.clip(after, *bounds)
         return np.insert(values, *self._pairs(before, after))
-
-    def _beside(self, values: np.ndarray, side: int, rates: np.ndarray | None = None) -> np.ndarray:
-        """Values at the instants as led there from the samples before (-1) or after (1) each.
-
-        Along the parabola through the three nearest or, of what has known rates of change, along
-        the rate. Fewer without an event between them make a line, or one value; where there is
-        none, a line leads from the last sample before to the first after.
-        """
-        time, instants = self.time, self.instants
-        stretch = np.searchsorted(instants, time)  # between the same two events: the same number
-        own = np.arange(instants.size) + (side > 0)
-        near = np.searchsorted(time, instants, "right") - (side < 0)
-        ahead = instants - time[near]
-        if rates is None:
-            second, third = (np.clip(near + n * side, 0, time.size - 1) for n in (1, 2))
-            two, three = stretch[second] == own, (stretch[third] == own) & (third != second)
-            line = _ratio(values[second] - values[near], time[second] - time[near], two)
-            next_ = _ratio(values[third] - values[second], time[third] - time[second], three)
-            bend = _ratio(next_ - line, time[third] - time[near], three)
-            along = values[near] + line * ahead + bend * ahead * (instants - time[second])
-        else:
-            along = values[near] + 0.5 * (rates[near] + self._beside(rates, side)) * ahead
-        return np.where(stretch[near] == own, along, np.interp(instants, time, values))
-
-
-def _ratio(above: np.ndarray, below: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Divided differences; 0 where there is none."""
-    known &= below != 0.0
-    return np.where(known, above / np.where(known, below, 1.0), 0.0)
 
 
 def suits(dataset: xr.Dataset) -> bool:
