@@ -219,15 +219,20 @@ def resting():
     return dataset.assign(phi_max=extreme.transpose("Omega", "initial"))
 
 
-def test_a_point_at_rest_is_drawn_at_its_value():
-    (ax,) = draw(resting(), figure("bifurcation")).axes
-    bars = [
-        line.get_xydata() for line in ax.lines if line.get_marker() == "_" and len(line.get_xdata())
-    ]
-    (rest,) = [bar for bar in bars if np.isfinite(bar).all() and len(bar) > 1]
+def test_a_point_at_rest_is_a_square_in_the_mark_of_its_start():
+    """Of one start the square alone, of which the key has the colour."""
     omega = np.linspace(0.5, 5.0, 46)[30:]
-    np.testing.assert_allclose(rest, np.column_stack([omega, 0.01 * omega]))
-    assert "at rest" in legend_texts(ax)
+    for starts in (["near"], ["near", "far"]):
+        (ax,) = draw(resting(), figure("bifurcation", select={"initial": starts})).axes
+        rest = [line for line in ax.lines if np.array_equal(line.get_xdata(), omega)]
+        squares = [line for line in rest if line.get_marker() == "s" and line.get_mfc() != "none"]
+        (key,) = [line for line in ax.lines if line.get_label() == "at rest"]
+        for line in rest:
+            np.testing.assert_allclose(line.get_ydata(), 0.01 * omega)
+        assert len(squares) == 1 and "at rest" in legend_texts(ax)
+        assert to_hex(key.get_color()) == to_hex(squares[0].get_color())
+        own = {line.get_marker() for line in ax.lines if line.get_label() == "near"}
+        assert own <= {line.get_marker() for line in rest} | {"."}
 
 
 def test_each_start_has_a_mark_that_shows_through_the_next():
@@ -818,7 +823,12 @@ def test_where_colours_tell_another_axis_dashes_tell_the_sorts_of_crossings():
     assert legend_texts(ax) == [*sorts, r"$\mu_k$ = 0.2", r"$\mu_k$ = 0.3"]
     drawn = [line for line in ax.lines if len(line.get_xdata())]
     assert len({line.get_linestyle() for line in drawn}) == 3
+    assert len({line.get_marker() for line in drawn}) == 3
     assert len({line.get_color() for line in drawn}) == 2
+    (ax,) = draw(both.isel(R=[0]), figure("curve", x="R")).axes  # of points the key has no line
+    keys = {line.get_label(): line for line in ax.lines if not len(line.get_xdata())}
+    assert {keys[sort].get_linestyle() for sort in sorts} == {"None"}
+    assert len({keys[sort].get_marker() for sort in sorts}) == 3
 
 
 def test_changes_between_motions_of_one_class_are_told_apart_by_their_answers():
@@ -1306,6 +1316,16 @@ def test_sticks_of_other_contacts_are_marked_where_none_is_asked_for(kind):
     assert not any("sticks" in word for word in told[1] + told[2])
 
 
+def test_what_a_law_holds_in_stick_is_named_in_its_loop():
+    dataset = data.history(labels=("far",))
+    dataset = dataset.rename(phi="slip", phi_dot="slip_dot")
+    assert "held in stick" not in legend_texts(draw(dataset, figure("phase", y="F_T")))
+    held = dataset.assign(static_capacity=0.4)
+    drawn = draw(held, figure("phase", x="slip_dot", y="F_T"))
+    assert marks(drawn.axes[0], "_held in stick").tolist() == [[0.0, -0.4], [0.0, 0.4]]
+    assert "held in stick" in legend_texts(drawn)
+
+
 def test_other_variables_of_a_history_can_be_asked_for():
     drawn = draw(data.history(), figure("history", variable=["F_T"], select={"initial": "far"}))
     assert drawn.axes[0].get_ylabel() == "$F_T$ (N)"
@@ -1571,6 +1591,14 @@ def test_modes_are_counted_as_modes_not_as_eigenvalues():
 def test_laws_are_drawn_as_they_are_written(name, velocity, expected):
     law = get_law(name)
     assert force(law, np.array(velocity), law.defaults) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("width", [84.0, 160.0])
+def test_a_legend_of_laws_stays_on_the_page(width):
+    drawn = draw_laws(["coulomb", "stribeck:v_s=0.05", "lugre"], look_of("paper", width=width))
+    drawn.canvas.draw()
+    box = drawn.legends[0].get_window_extent()
+    assert box.x0 >= 0.0 and box.x1 <= drawn.bbox.x1 and box.y0 >= 0.0
 
 
 def test_a_law_of_a_coefficient_and_one_of_a_force_have_their_own_axis():

@@ -33,6 +33,7 @@ DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.3
 PALE = 0.4  # what has no class may be on its way yet
+SQUARE = 1.3  # side of what marks a point at rest, of dots
 ELSEWHERE = ", not at the section"
 MARK = 4.0  # size of the marks of changes of cycles, pt
 SECTION_WORDS = {
@@ -156,14 +157,13 @@ def _resting_words(datasets: Sequence[xr.Dataset]) -> str:
 def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None:
     """Marks that show through one another: what comes first is the widest.
 
-    Points at rest are dashes, called `resting`; without a name they lie on lines of equilibria that
-    say so, as marks like the others.
+    Points at rest have a square in their mark, called `resting`; without a name they lie on lines
+    of equilibria that say so, as marks like the others.
     """
     entries = points.entries([cloud.label for cloud in clouds])
     many = sum(cloud.y.size for cloud in clouds) > style.MANY_MARKS
     sorts = 1 + max(entry.number for entry in entries)
     for cloud, entry in zip(clouds, entries, strict=True):
-        later = sorts - 1 - entry.number
         crowded, undecided = cloud.crowded & ~cloud.undecided, cloud.undecided
         for part, finer, alpha, label in (
             (~crowded & ~undecided, 1.0, None, entry.label),
@@ -173,13 +173,14 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None
             look = style.mark_of(entry.number, sorts, finer * size) | {"color": entry.colour}
             look["alpha"] = alpha
             ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, rasterized=many, **look)
-        dash = {"marker": "_", "ms": size * (1.5 + 0.4 * later), "mew": 0.9 + 0.25 * later}
-        mark = dash if resting else style.mark_of(entry.number, sorts, size)
-        own = mark | {"color": entry.colour, "zorder": 2.0 if resting else 4.0}
+        own = style.mark_of(entry.number, sorts, size) | {"color": entry.colour, "ls": "none"}
+        rest = cloud.rest_x, cloud.rest_y
         at_rest = points.unlisted(entry.label, resting or "equilibrium")
-        ax.plot(cloud.rest_x, cloud.rest_y, ls="none", label=at_rest, **own)
+        if resting:
+            ax.plot(*rest, "s", ms=SQUARE * size, mew=0.0, color=entry.colour, label=at_rest)
+        ax.plot(*rest, label=DECORATION if resting else at_rest, zorder=2 if resting else 4, **own)
     if resting and any(cloud.rest_x.size for cloud in clouds):
-        ax.plot([], [], "_", mew=1.2, color=style.BLACK, label=resting)
+        ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
 
 
 def _mark_other_sections(

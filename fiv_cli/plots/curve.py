@@ -5,8 +5,8 @@ Variables of one unit share a panel.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from itertools import chain, pairwise, product
 from typing import TYPE_CHECKING, Any
 
@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CLASS_SHIFT = 0.06
+DOT: dict[str, Any] = {"marker": ".", "ms": 3}
+SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
 UNSURE = {
@@ -110,8 +112,11 @@ def _panel(
 ) -> None:
     """The lines of some variables of one unit, against an axis that is `numeric` or of names."""
     classes = bool(flag_names(variables[0].attrs))
-    for dash, sort in dict.fromkeys((curve.dash, curve.sort) for curve, _ in lines if curve.sort):
-        ax.plot([], [], ls=dash, color=style.BLACK, label=sort)
+    of_sort = {curve.sort: curve for curve, _ in sorted(lines, key=lambda one: one[0].x.size)}
+    for sort in dict.fromkeys(curve.sort for curve, _ in lines if curve.sort):
+        longest = of_sort[sort]
+        dash = longest.dash if longest.x.size > 1 else "none"
+        ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **longest.mark)
     for curve, entry in lines:
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
@@ -127,14 +132,14 @@ def _panel(
 def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool) -> None:
     """One line; without lines between points that stand `apart`."""
     y = np.where(curve.is_wide, np.nan, curve.y) + shift
-    look: dict[str, Any] = {"marker": ".", "ms": 3, "color": entry.colour}
+    look = {"color": entry.colour, **curve.mark}
     known = np.where(curve.open, np.nan, y)
     x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
-        ax.plot([], [], label=entry.label, **look)
+        ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
     _plot_unsure(ax, curve, shift, entry)
     if curve.width is not None and np.nan_to_num(curve.width).any():
         bars = ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
@@ -181,8 +186,8 @@ class _Curve:
 
     Its points have a width. `open` are those whose class is undecided: their numbers are those of
     some stretch of time. `ends` are the least and the greatest that each may be. `jumps` are the
-    places at which another class begins. `sort` is what a dash means, where colours mean another
-    thing.
+    places at which another class begins. `sort` is what `dash` and `mark` mean, where colours mean
+    another thing.
     """
 
     label: str
@@ -193,6 +198,7 @@ class _Curve:
     width: np.ndarray | None = None
     jumps: Sequence[int] = ()
     dash: Any = "-"
+    mark: Mapping[str, Any] = field(default_factory=lambda: DOT)
     sort: str = ""
 
     @property
@@ -243,6 +249,7 @@ def _by_sort(
         label = points.joined(words, layer.label, line.label)
         for number, (sort, mask) in enumerate(sorts.items() if len(sorts) > 1 else [("", True)]):
             dash = style.dash(number, len(sorts))
+            mark = dict(zip(("marker", "ms"), SORT_MARKS[number % len(SORT_MARKS)], strict=True))
             kept, known, mode = (
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values
                 for part in (array, widths, modes)
@@ -251,7 +258,7 @@ def _by_sort(
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), known[at])
-                dashed = {"dash": dash, "sort": sort} if label else {}
+                dashed = {"dash": dash, "mark": mark, "sort": sort} if label else {}
                 curves.append(_Curve(label or sort, *found, **dashed))
     return curves
 

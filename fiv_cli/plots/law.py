@@ -76,7 +76,8 @@ def _draw(laws: Sequence[Given], fastest: float) -> Figure:
     ax.set_ylabel(r"$F_\mathrm{T}$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
     ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label="held in stick")
-    figure.legend(loc="outside lower center")
+    style.colour_keys([ax])
+    style.legend_below(figure, style.told_in([ax])[0])
     return figure
 
 

@@ -22,6 +22,8 @@ FEWEST_SMOOTH = 4  # samples of a stretch that a spline is put through
 FINER = 6
 OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": (0, (1, 1.5)), "lw": 2.0, "zorder": 3}
 
+HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
+
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A panel for each motion, or one for all (``overlay``); a circle marks each start."""
@@ -43,6 +45,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     words = motion.others_sticking(motions, settings)
     others = [Line2D([], [], label=label, **OTHER_STICKS) for label in words]
     others += motion.sampled(motions, names)
+    if any(np.isfinite(_held(one, names)) for one in motions):
+        others.append(Line2D([], [], label="held in stick", **HELD))
     _legend(figure, present, others, contact, _shows_starts(dataset, settings))
     return figure
 
@@ -110,12 +114,18 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
     if _shows_starts(one.data, settings):
         start = points.unlisted(one.label, "start")
         ax.plot(*path.points[0], "o", ms=5, mfc="none", color=style.BLACK, label=start)
-    held = float(one.data["static_capacity"]) if "static_capacity" in one.data else np.nan
-    if names == ("slip_dot", "F_T") and np.isfinite(held):
+    held = _held(one, names)
+    if np.isfinite(held):
         stick = points.unlisted(one.label, "held in stick")
-        ax.plot([0.0, 0.0], [-held, held], "--", color=style.BLACK, lw=1.0, label=stick)
+        ax.plot([0.0, 0.0], [-held, held], label=stick, **HELD)
     ax.autoscale_view()
     points.scale(ax, settings)
+
+
+def _held(one: motion.Motion, names: tuple[str, str]) -> float:
+    """The greatest force that a law holds in stick, which stands upright in its loop, else NaN."""
+    is_loop = names == ("slip_dot", "F_T") and "static_capacity" in one.data
+    return float(one.data["static_capacity"]) if is_loop else np.nan
 
 
 def _smooth(time: np.ndarray, path: np.ndarray) -> np.ndarray:
