@@ -1097,6 +1097,16 @@ def test_lines_of_a_map_have_their_levels_written_on_them():
     assert both.legends[0].get_title().get_text() == said
 
 
+@pytest.mark.parametrize("width", [60.0, 84.0, 200.0])
+def test_levels_written_on_lines_that_run_close_do_not_lie_on_each_other(width):
+    dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
+    levels = {"variable": "L_s", "level": [1e-4, 2e-4, 3e-4]}
+    drawn = draw(dataset, figure("map", **levels), look=look_of("paper", width=width))
+    drawn.canvas.draw()
+    boxes = [text.get_window_extent() for text in drawn.axes[0].texts]
+    assert boxes and not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+
+
 def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     dataset = data.stability_map()
     dataset["L_s"][:, :, 0] = 1.0
@@ -1158,6 +1168,16 @@ def test_a_basin_shows_where_its_motions_rest():
     np.testing.assert_array_equal(star.get_offsets(), [[0.03, 0.0]] * resting)
     (ax,) = draw(data.basin(speeds=(0.0,)), figure("basin")).axes
     assert "where they rest" not in legend_texts(ax)
+
+
+def test_many_basins_fit_a_column_of_a_page():
+    six = data.basin(speeds=(0.5, 1.0, 1.5, 2.0, 2.5, 3.0))
+    drawn = draw(six, figure("basin"), look=look_of("paper", width=84.0))
+    drawn.canvas.draw()
+    assert drawn.get_figheight() < 240.0 / 25.4
+    boxes = [ax.get_legend().get_window_extent() for ax in drawn.axes]
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    assert all(box.x0 >= 0.0 and box.x1 <= drawn.bbox.x1 for box in boxes)
 
 
 def test_a_class_has_one_mark_in_all_panels_of_a_basin():

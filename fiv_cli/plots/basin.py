@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
-ENTRY = 36  # letters of an entry of a legend
+ENTRY = 26  # letters of an entry of a legend
 UNDER_LABEL = 3.8  # letters' sizes under a panel: ticks and a label stand between
 STAR = 60.0  # area of the mark of an equilibrium, in square points
 MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
@@ -138,7 +138,7 @@ def _name_shares(ax: Axes) -> None:
     under = ax.transAxes + ScaledTranslation(0.0, down, figure.dpi_scale_trans)
     legend = ax.legend(
         loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=under, borderaxespad=0.0,
-        title="share ± standard error",
+        title="share ± standard error", handlelength=1.0,
     )  # fmt: skip
     style.even_keys(legend)
 

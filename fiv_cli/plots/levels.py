@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.contour import QuadContourSet
     from matplotlib.typing import ColorType
 
+ROOM = 1.5  # between levels written on lines, and at the ends of these, in lengths of the writing
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
 
@@ -76,9 +77,22 @@ def draw(
 
 
 def _name(ax: Axes, lines: QuadContourSet, level: float) -> None:
-    size = mpl.rcParams["legend.fontsize"]
-    for text in ax.clabel(lines, fmt={level: f"{level:g}"}, fontsize=size):
-        text.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+    """Write the level on each piece of its lines that has room beside what is written already."""
+    size, text = mpl.rcParams["legend.fontsize"], f"{level:g}"
+    room = ROOM * len(text) * style.LETTER * size * ax.figure.dpi / style.POINTS
+    ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
+    pixels = ax.transData.transform
+    taken = [pixels(one.get_position()) for one in ax.texts]
+    chosen = []
+    for piece in lines.allsegs[0]:
+        along = pixels(piece)
+        full = np.array([along[0], along[-1], *taken])
+        apart = np.linalg.norm(along[:, None] - full, axis=-1).min(axis=1)
+        if apart.max() > room:
+            chosen.append(piece[apart.argmax()])
+            taken.append(along[apart.argmax()])
+    for text_ in ax.clabel(lines, fmt={level: text}, fontsize=size, manual=chosen):
+        text_.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
 
 
 def _beside(plane: np.ndarray, level: float) -> str:
