@@ -625,6 +625,18 @@ def test_what_is_taken_over_undecided_points_is_a_bar_over_all_that_it_may_be():
     assert "undecided points: at least" in legend_texts(ax)
 
 
+def test_where_nothing_is_known_of_what_is_taken_a_mark_stands_below():
+    """Where no point is periodic but one undecided, the first that is may be this one or none."""
+    dataset = data.stability_map(initial=["reached"])
+    dataset["attractor"][:, :2] = data.codes(data.ATTRACTORS, "equilibrium")
+    dataset["attractor"][7, 1] = data.codes(data.ATTRACTORS, "undecided")
+    taking = {"what": "first", "of": "periodic", "over": ["Omega"]}
+    (ax,) = draw(dataset, figure("curve", x="N0", variable="attractor", take=taking)).axes
+    told = "undecided points: nothing known"
+    assert marks(ax, f"_{told}").tolist() == [[dataset["N0"].values[1], 0.0]]
+    assert told in legend_texts(ax)
+
+
 def test_numbers_taken_over_undecided_points_are_marked_on_a_map():
     dataset = data.stability_map()
     dataset["attractor"][3, 5, 1] = data.codes(data.ATTRACTORS, "undecided")
@@ -639,6 +651,9 @@ def test_numbers_taken_over_undecided_points_are_marked_on_a_map():
     assert {*map(tuple, marks(drawn.axes[0], told))} == places
     assert told in legend_texts(drawn)
     assert any(text.endswith("by the least and by the greatest") for text in legend_texts(drawn))
+    settings = {"variable": "L_s", "take": {"what": "greatest", "over": ["initial"]}}
+    (why,) = legend_texts(draw(dataset, figure("map", **settings)))[-1:]
+    assert why.startswith("no value: ") and why.endswith("undecided points")
 
 
 def test_hollow_values_are_named_and_keys_have_the_one_colour_that_they_stand_for():

@@ -41,6 +41,7 @@ UNSURE = {
     "undecided points: from least to greatest": BAR,
     "undecided points: at least": {"marker": "^", "ms": 4, "ls": "none"},
     "undecided points: at most": {"marker": "v", "ms": 4, "ls": "none"},
+    "undecided points: nothing known": {"marker": "x", "ms": 5, "ls": "none"},
 }
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
 SMALL = 0.02  # ... or of all values
@@ -149,16 +150,20 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
 def _plot_unsure(ax: Axes, curve: _Curve, shift: float, entry: points.Entry) -> None:
     """What is no sure number: hollow or, in the ways of `UNSURE`, all that it may be."""
     low, high = curve.ends
-    bounded = curve.is_wide & np.isfinite(low + high)
-    hollow, bar, above, below = UNSURE
+    has_low, has_high = (curve.is_wide & np.isfinite(end) for end in curve.ends)
+    bounded, unknown = has_low & has_high, curve.is_wide & ~has_low & ~has_high
+    hollow, bar, least, greatest, nothing = UNSURE
     for told, at, y in (
         (hollow, curve.open, curve.y + shift),
-        (above, curve.is_wide & np.isposinf(high), low),
-        (below, curve.is_wide & np.isneginf(low), high),
+        (least, has_low & ~has_high, low),
+        (greatest, has_high & ~has_low, high),
+        (nothing, unknown, 0.0 * curve.x),
     ):
         if np.isfinite(y[at]).any():
             label = points.unlisted(entry.label, told)
-            ax.plot(curve.x[at], y[at], color=entry.colour, label=label, **UNSURE[told])
+            where = ax.get_xaxis_transform() if told == nothing else ax.transData
+            ax.plot(curve.x[at], y[at], color=entry.colour, label=label, transform=where,
+                    clip_on=told != nothing, **UNSURE[told])  # fmt: skip
     if bounded.any():
         label = points.unlisted(entry.label, bar)
         ax.vlines(curve.x[bounded], low[bounded], high[bounded], entry.colour, label=label, **BAR)

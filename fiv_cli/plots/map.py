@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 MOST_PANELS = 6
 MOST_COLUMNS = 3
 HATCH = "////"
+MIDDLE = "undecided points: middle of least and greatest"
 BELOW = "#DDDDDD"  # of numbers that have no logarithm
 
 
@@ -286,7 +287,10 @@ def _paint_numbers(
     )
     if below:
         handles = [*handles, Patch(color=BELOW, label="0" if known.min() == 0.0 else "not above 0")]
-    why = why_missing(planes.dataset, values.notnull())
+    unbounded = bool((_unsure(planes)[MIDDLE] & values.isnull()).any())
+    why = points.joined(
+        why_missing(planes.dataset, values.notnull()), "undecided points" if unbounded else ""
+    )
     missing = "" if bool(values.notnull().all()) else f"no value{': ' * bool(why)}{why}"
     told = [*handles, *_mark_undecided(axes, planes, values.notnull())]
     if missing or told:
@@ -321,4 +325,4 @@ def _unsure(planes: _Planes) -> dict[str, xr.DataArray]:
     gaps = points.gaps(planes.dataset)
     low, high = ends_of(planes.dataset, str(planes.array.name))
     own = {"undecided": gaps["undecided"]} if "undecided" in gaps else {}
-    return own | {"undecided points: middle of least and greatest": low < high}
+    return own | {MIDDLE: low < high}
