@@ -77,6 +77,9 @@ def test_where_samples_follow_one_state_of_a_figure_and_not_another_all_are_poin
     dataset["theta"][0], dataset["theta_dot"][0] = np.sin(angle), 6.0 * fast * np.cos(angle)
     for kind in ("history", "phase"):
         axes = draw(dataset, FigureSpec("f", kind, {"x": "phi", "y": "theta"})).axes
+        if kind == "phase":
+            key = axes[0].figure.legends[0].legend_handles[0]  # of a state of the contact
+            assert (key.get_linestyle() == "None") == (fast > 1.0)
         for ax in axes:
             assert any(line.get_marker() == "." for line in ax.lines) == (fast > 1.0)
             assert fast == 1.0 or not [one for one in ax.collections if one.get_paths()]

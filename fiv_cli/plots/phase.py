@@ -47,7 +47,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others += motion.sampled(motions, names)
     if any(np.isfinite(_held(one, names)) for one in motions):
         others.append(Line2D([], [], label="held in stick", **HELD))
-    _legend(figure, present, others, contact, _shows_starts(dataset, settings))
+    coarse = all(one.is_coarse(*names) for one in motions)
+    look: dict[str, Any] = {"marker": "o", "ls": "none"} if coarse else {}
+    keys = [
+        Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state], **look)
+        for state in present
+    ]
+    _legend(figure, [*keys, *others], contact, _shows_starts(dataset, settings))
     return figure
 
 
@@ -146,14 +152,6 @@ def _spline(time: np.ndarray, path: np.ndarray) -> np.ndarray:
     return smooth
 
 
-def _legend(
-    figure: Figure, states: Sequence[str], others: Sequence[Line2D], contact: str, with_start: bool
-) -> None:
-    handles = [
-        Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state])
-        for state in states
-    ]
-    handles += others
+def _legend(figure: Figure, keys: Sequence[Line2D], contact: str, with_start: bool) -> None:
     start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
-    handles += [start] * with_start
-    style.legend_below(figure, handles, contact)
+    style.legend_below(figure, [*keys, *[start] * with_start], contact)
