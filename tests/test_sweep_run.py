@@ -355,7 +355,7 @@ def test_a_vast_dataset_of_few_points_is_not_written_before_the_run_ends(
     assert f"`fiv assemble fake.toml -o {output}`" in few.unwritten
     assert not run_case(case, output, policy(max_points=5), notes).unwritten
     assert read_attributes(output)["partial"] == "10 of 30 points"
-    assert notes.told[-1].startswith(f"writing {output}: 10 of its 30 points are done; Ctrl-C")
+    assert notes.told[-1].startswith(f"writing {output}: 10 of its 30 points are done; Ctrl-C now")
     assert run_case(case, output, HERE, notes).complete
     sweep(tmp_path / "b.nc")
     assert output.read_bytes() == (tmp_path / "b.nc").read_bytes()

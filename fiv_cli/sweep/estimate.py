@@ -239,13 +239,21 @@ def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Itera
 
 def foreseen(journal: Journal, policy: Policy) -> list[Estimate]:
     """What a run that begins now will cost, from a glance at the analyses that may take long."""
-    left = [int((record.wanted() & ~record.done()).sum()) for record in journal.records]
+    left = [
+        _at_most_left(*part) for part in zip(journal.plan.analyses, journal.records, strict=True)
+    ]
     limit = sum(left) if policy.max_points is None else policy.max_points
     left = np.diff(np.minimum(np.cumsum([0, *left]), limit)).tolist()
     parts = list(zip(journal.plan.analyses, journal.records, left, strict=True))
     dear = [part for part in parts if _places(part[0], part[2]) > 1]
     patience = GLANCE / max(1, len(dear))
     return [one for part in dear for one in _glanced_at(*part, patience, policy)]
+
+
+def _at_most_left(analysis: AnalysisPlan, record: Record) -> int:
+    """How many points may have to be run; of a map that is refined it is not known yet."""
+    wanted = record.wanted() if analysis.maps is None else record.mine
+    return int((wanted & ~record.done()).sum())
 
 
 def _places(analysis: AnalysisPlan, left: int) -> int:

@@ -283,10 +283,8 @@ def _written(journal: Journal, output: Path, progress: Progress) -> str:
             f"command goes on, `{command} -o {output}` writes it as it is (for minutes)"
         )
     if size >= LARGE:
-        progress.note(
-            f"writing {output}: {done:,} of its {size:,} points are done; Ctrl-C again ends it "
-            "without"
-        )
+        told = f"{done:,} of its {size:,} points are done"
+        progress.note(f"writing {output}: {told}; Ctrl-C now leaves it unwritten")
     write_dataset(journal, output)
     return ""
 
