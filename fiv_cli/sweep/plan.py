@@ -54,9 +54,9 @@ Positions = NDArray[np.int64]
 
 AT_ONCE = 2**16  # points whose keys are made together
 
-# Bytes that a point takes in a small sweep, and in a large one, whose arrays lie in files; and of
-# how many points it is said.
-USUAL_BYTES = 720.0
+# Bytes that a run takes without points, and with each in a small sweep, and in a large one, whose
+# arrays lie in files, as measured; and of how many points it is said.
+ALONE_BYTES, USUAL_BYTES = 330e6, 1100.0
 LARGE_BYTES, LARGE_POINT = 600e6, 45.0
 MANY = 100_000
 
@@ -512,7 +512,7 @@ def _refined_text(maps: Maps, layout: Layout) -> str:
 
 def _cost_of(points: int) -> str:
     """What so many points hold, and what to type for how long they take."""
-    memory = min(points * USUAL_BYTES, LARGE_BYTES + points * LARGE_POINT)
+    memory = min(ALONE_BYTES + points * USUAL_BYTES, LARGE_BYTES + points * LARGE_POINT)
     return (
         f"  {points:,} points: some {size(memory)} of memory; how long depends on "
         "what moves: type fiv check --estimate, which runs a few"
