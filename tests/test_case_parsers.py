@@ -303,6 +303,7 @@ class TestNames:
         assert hint == "did you mean 'Omega' (disc speed) or 'omega' (frequency)?"
 
     def test_nothing_alike(self) -> None:
+        assert suggest("vs", ["v", "v_s", "m"]) == "did you mean 'v_s'?"
         assert suggest("xyzzy", ["mu_k"]) == ""
 
     def test_model_and_law_never_share_a_name(self) -> None:

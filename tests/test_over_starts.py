@@ -14,7 +14,7 @@ from synthetic_datasets import tried
 from fiv_cli import api
 from fiv_cli.case.load import parse_case
 from fiv_cli.reading import over_starts
-from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED
+from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
 from fiv_cli.reading.over_laws import stretches
 
 DAMPING = 0.2
@@ -60,7 +60,11 @@ def test_the_end_of_stick_slip_and_the_bistable_range_are_those_of_the_closed_fo
     assert told["at"] == [f"v = 0.25 to {last:g} m s-1"]
     assert told["classes"] == {"equilibrium against periodic": told["differ"]}
     take = {"what": "last", "of": "periodic", "over": ["v"]}
-    for between, verdict in (([last, border], CONFIRMED), ([border, border + 0.25], CONTRADICTED)):
+    for between, verdict in (
+        ([last, last + 0.25], CONFIRMED),
+        ([last, border], UNDETERMINED),
+        ([last + 0.25, 6.0], CONTRADICTED),
+    ):
         expect = {"between": between}
         assert tried(found, "attractor", expect, {"initial": "stuck"}, take=take).verdict == verdict
     take = {"what": "classes", "over": ["initial"]}

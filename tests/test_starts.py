@@ -91,13 +91,16 @@ resolution = 0.05
 
 
 def test_motions_and_spectrograms_keep_their_starts_too() -> None:
-    results = api.run(api.load(tomllib.loads(SLOWING)), workers=1)
+    asked = tomllib.loads(SLOWING) | {"figure": [{"kind": "spectrogram"}]}
+    results = api.run(api.load(asked), workers=1)
     motion = results["history"]
     assert motion["initial_state"].sizes == {"initial": 3, "state": 2}
     for state in ("x", "x_dot"):
         begun = motion["initial_state"].sel(state=state).values
         assert begun.tolist() == motion[state].isel(time=0).values.tolist()
     xr.testing.assert_identical(motion["initial_state"], results["spectrogram"]["initial_state"])
+    (mesh,) = api.figure(results, "spectrogram").axes[0].collections  # not one of the history
+    assert mesh.get_array().size == results["spectrogram"]["spectrogram"].isel(initial=0).size
 
 
 HALVES = """

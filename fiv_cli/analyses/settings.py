@@ -580,7 +580,7 @@ def _check_event(section: Section, known: Known) -> Iterator[Refusal]:
     contact = model.equations(Symbols(), known.options).contacts[number - 1]
     named = f"contact {number} of {model.name}"
     why = [f"the law {law.name!r} never sticks" for law in known.laws if law.capacity is None]
-    if contact.is_stop or contact.sliding_only:
+    if contact.is_stop:
         why = [f"{named} never sticks"]
     if section.event == "impact":
         why = [f"{named} never separates"] if contact.gap is None else []

@@ -121,7 +121,13 @@ def _candidates(name: str, known: Collection[str]) -> list[str]:
 
 
 def _same_but_for_case(name: str, known: Collection[str]) -> list[str]:
-    return [one for one in known if one.lower() == name.lower()]
+    return [one for one in known if one.lower() == name.lower()] or [
+        one for one in known if _bare(one) == _bare(name)
+    ]
+
+
+def _bare(name: str) -> str:
+    return name.lower().replace("_", "").replace("-", "")
 
 
 def _similar(name: str, known: Collection[str]) -> list[str]:

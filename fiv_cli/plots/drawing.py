@@ -30,7 +30,7 @@ from fiv_cli.plots import map as map_
 from fiv_cli.plots.labels import title_of
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
-from fiv_cli.reading.datasets import figures_in, read_analyses
+from fiv_cli.reading.datasets import analysis_of, figures_in, read_analyses
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -253,13 +253,19 @@ def _refuse_other_analysis(analyses: dict[str, xr.Dataset], figure: FigureSpec) 
 def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind: Kind) -> Layer:
     """The analysis that the figure is about, narrowed to what it selects."""
     wanted = figure.settings.get("analysis")
-    named = [analyses[wanted]] if wanted in analyses else list(analyses.values())
+    named = [analyses[wanted]] if wanted in analyses else _own_first(analyses, figure.kind)
     # a dataset that no figure of the kind suits is drawn anyway: the kind says what it lacks
     dataset = next((d for d in named if _holds(d, figure) and kind.suits(d)), named[0])
     selection = figure.settings.get("select", {})
     beside = tuple(_selected(d, selection) for d in analyses.values() if d is not dataset)
     narrowed = select.subset if kind.suits(dataset) else _selected
     return Layer(label, narrowed(dataset, selection), beside)
+
+
+def _own_first(analyses: dict[str, xr.Dataset], kind: str) -> list[xr.Dataset]:
+    """The analyses, those before that compute what the figure is called after."""
+    kinds = {name: analysis_of(one, name).get("kind") for name, one in analyses.items()}
+    return [analyses[name] for name in sorted(analyses, key=lambda name: kinds[name] != kind)]
 
 
 def _shared(figure: FigureSpec, analyses: dict[str, xr.Dataset], labels: set[str]) -> FigureSpec:

@@ -70,7 +70,7 @@ def _panel(
 
 
 def _shade(state: str) -> dict[str, Any]:
-    return {"color": style.CLASSES[state], "alpha": SHADES[state], "lw": 0}
+    return {"color": style.CLASSES[state], "alpha": SHADES[state], "lw": 0, "snap": False}
 
 
 def _curve(
