@@ -91,3 +91,15 @@ def test_what_is_not_there_is_told():
         rows(data.bifurcation(), "L_S")
     with pytest.raises(UsageError, match=r"no variable 'rms'; here it is 'L_s'"):
         rows(data.bifurcation(), "rms")
+
+
+def test_everything_is_as_many_tables_as_it_takes():
+    """Each of which can be had as it is told, and together they hold every variable."""
+    found = data.bifurcation()
+    with pytest.raises(UsageError) as refused:
+        rows(found, "all")
+    tables = str(refused.value).partition("next: a table for each: ")[2].split("; ")
+    told = [one.removeprefix("--csv ").split(",") for one in tables]
+    assert sorted(name for names in told for name in names) == sorted(found.data_vars)
+    for names in told:
+        assert {*names} <= {*rows(found, *names)[0]}

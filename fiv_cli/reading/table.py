@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+EVERYTHING = ("all", "everything", "*")
+
+
 def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping[str, Any]) -> str:
     """The rows in which one of the variables has a value; classes in words, numbers with errors.
 
@@ -33,6 +36,8 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     UsageError : no analysis has all the variables, or several have, or they share no rows; there is
         no such axis or value.
     """
+    if {*names} & {*EVERYTHING}:
+        raise UsageError(f"a table has the same number of values of each\n{_every_table(analyses)}")
     beside = {str(name) for one in analyses.values() for name in one.coords}
     names = [name for name in names if name not in beside] or list(names)
     dataset = _holding(analyses, names)
@@ -43,6 +48,18 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     counted = [str(dim) for dim in held[0].dims if str(dim) not in select.ragged_dims(dataset)]
     columns = [*dict.fromkeys([*axes, *counted, *told])]
     return _lines(held, columns, told) + _lines(alone, columns, told, header=False)
+
+
+def _every_table(analyses: Mapping[str, xr.Dataset]) -> str:
+    """What to type for each table that all variables together need."""
+    sets: dict[tuple[str, Any], list[str]] = {}
+    for analysis, dataset in analyses.items():
+        names = [str(name) for name in dataset.data_vars]
+        for name in (n for n in names if n not in map(error_of, names)):
+            sets.setdefault((analysis, dataset[name].dims), []).append(name)
+    of = {one: f" --analysis {one}" if len(analyses) > 1 else "" for one in analyses}
+    tables = [f"--csv {','.join(held)}{of[one]}" for (one, _), held in sets.items()]
+    return f"next: a table for each: {'; '.join(tables)}"
 
 
 def _lines(
