@@ -27,7 +27,7 @@ __all__ = [
     "at_once",
     "balance",
     "beginning",
-    "carried",
+    "carry",
     "equilibria",
     "impacts",
     "initial_state",
@@ -135,7 +135,7 @@ def beginning(system: System, request: Request, equilibrium: Vector | None) -> B
     return Beginning(parameters, described)
 
 
-def carried(attractor: str, state: Vector, sticking: Iterable[bool]) -> dict[str, object]:
+def carry(attractor: str, state: Vector, sticking: Iterable[bool]) -> dict[str, object]:
     """What a point leaves to its neighbour on a chain; of a motion without a class, none."""
     return {
         "attractor": attractor,

@@ -86,15 +86,12 @@ def check_case(source: str, overrides: Sequence[str], workers: int = 0) -> Verdi
     """Read one case, plan it, and estimate its run on `workers`; an error is in the verdict."""
     from fiv_cli import api
     from fiv_cli.case.others import not_run
-    from fiv_cli.sweep.plan import MANY
 
     try:
         case = api.load(source, overrides)
         plan = api.check(case)
         estimates = tuple(_estimates(case, workers)) if workers else ()
-        lines = tuple(plan.describe())
-        if estimates and plan.size >= MANY:
-            lines = lines[:-1]  # what these points hold was a guess
+        lines = tuple(plan.describe(is_estimated=bool(estimates)))
         told = lines, plan.defaults(), _stiff(plan), tuple(not_run(case))
         return Verdict(source, *told, estimates)
     except FivError as error:

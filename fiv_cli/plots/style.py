@@ -312,18 +312,14 @@ def _coloured(axes: Sequence[Axes]) -> Iterator[tuple[str, str]]:
     for ax in axes:
         for line in ax.lines:
             if not _is_key(line):
-                yield str(line.get_label()), _hex(line.get_color())
+                yield str(line.get_label()), to_hex(line.get_color())
         for lines in ax.collections:
             if isinstance(lines, LineCollection):
-                yield str(lines.get_label()), _hex(np.atleast_2d(lines.get_color())[0])
+                yield str(lines.get_label()), to_hex(np.atleast_2d(lines.get_color())[0])
 
 
 def _is_key(line: Line2D) -> bool:
     return not np.size(line.get_xdata())
-
-
-def _hex(colour: Any) -> str:
-    return to_hex(colour)
 
 
 def told_in(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:

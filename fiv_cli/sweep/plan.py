@@ -283,8 +283,8 @@ class Plan:
         """What analyses vary themselves."""
         return {name for one in self.analyses for name in _without_own_value(one.template)}
 
-    def describe(self) -> list[str]:
-        """The plan in lines for people."""
+    def describe(self, is_estimated: bool = False) -> list[str]:
+        """The plan in lines for people; what it costs is not guessed where it `is_estimated`."""
         case = self.case
         head = [
             f"{case.source}: {case.title}" if case.title else case.source,
@@ -302,7 +302,8 @@ class Plan:
             "(--at PLACE -o FILE.nc), fiv plot FILE.nc draws it"
             for name in drawn_of_motions(case)
         ]
-        return [*head, *lines, *([_cost_of(self.size)] if self.size >= MANY else [])]
+        guessed = self.size >= MANY and not is_estimated
+        return [*head, *lines, *([_cost_of(self.size)] if guessed else [])]
 
 
 def make_plan(case: Case) -> Plan:

@@ -51,7 +51,7 @@ LOOKED_AT = 8
 WORTH_REUSING = 0.5
 """Share of the points to begin with that others must hold to be told: a dataset makes way."""
 
-LARGE, VAST = 1_000_000, 20_000_000
+SLOW, VAST = 1_000_000, 20_000_000
 """Points of a dataset that takes some seconds to write, which is said, and half a minute."""
 
 SCANT = 0.01
@@ -282,7 +282,7 @@ def _written(journal: Journal, output: Path, progress: Progress) -> str:
             f"{output} is not written, as {done:,} of its {size:,} points are done: the same "
             f"command goes on, `{command} -o {output}` writes it as it is (for minutes)"
         )
-    if size >= LARGE:
+    if size >= SLOW:
         told = f"{done:,} of its {size:,} points are done"
         progress.note(f"writing {output}: {told}; Ctrl-C now leaves it unwritten")
     write_dataset(journal, output)

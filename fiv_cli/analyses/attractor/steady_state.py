@@ -58,7 +58,7 @@ from fiv_cli.analyses.base import EACH, Outcome, Request, Section, Settings
 from fiv_cli.analyses.common import (
     at_once,
     balance,
-    carried,
+    carry,
     impacts,
     initial_state,
     start_motion,
@@ -795,7 +795,7 @@ class _Response:
         if self.excitation is not None and attractor != "equilibrium":
             turns = np.ceil(motion.time / self.excitation - 1e-9)
             motion.run(turns * self.excitation)
-        return carried(attractor, motion.y, (kind == STICK for kind in motion.kinds))
+        return carry(attractor, motion.y, (kind == STICK for kind in motion.kinds))
 
     def _add_reference(self, outcome: Outcome) -> None:
         if not self.rests.solutions:

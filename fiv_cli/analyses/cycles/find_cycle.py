@@ -17,7 +17,7 @@ from fiv_cli.analyses.attractor.own_section import (
     turning_points,
 )
 from fiv_cli.analyses.base import Outcome, Request, Section, Settings
-from fiv_cli.analyses.common import rest_of, start_motion, stopped
+from fiv_cli.analyses.common import carry, rest_of, start_motion, stopped
 from fiv_cli.analyses.cycles.branch import (
     CLOSED,
     Continuation,
@@ -171,10 +171,7 @@ def _carried_guess(carried: Mapping[str, Any]) -> Guess:
 
 def _carry(problem: Problem, cycle: Cycle) -> dict[str, object]:
     """What a continuing neighbour starts from."""
-    return {
-        "attractor": "periodic",
-        "state": cycle.anchor.state.tolist(),
-        "sticking": [int(sticks) for sticks in cycle.anchor.sticking],
+    return carry("periodic", cycle.anchor.state, cycle.anchor.sticking) | {
         "closed": [int(closed) for closed in cycle.anchor.closed],
         "phase": cycle.anchor.phase,
         "period": cycle.period,

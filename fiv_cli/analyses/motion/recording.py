@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Columns, Outcome, Request, Settings
-from fiv_cli.analyses.common import Balance, beginning, carried, rest_of, start_motion, stopped
+from fiv_cli.analyses.common import Balance, beginning, carry, rest_of, start_motion, stopped
 from fiv_cli.analyses.rest.surface import Place, weights
 from fiv_cli.codegen.codes import CODE_PIECE, CODE_STICK, ENERGY_OUTPUTS, PER_CONTACT
 from fiv_cli.dynamics.motion import Motion, Stop
@@ -55,7 +55,7 @@ def _recorded(system: System, request: Request, begun: Sequence[Beginning]) -> l
     for row, outcome in enumerate(found):
         if stops[row] == Stop.REACHED and outcome.status == "ok":
             sticking = recorder.codes[row, :, -1] == CODE_STICK
-            outcome.carry = carried("", recorder.states[row, :, -1], sticking)
+            outcome.carry = carry("", recorder.states[row, :, -1], sticking)
     return found
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.base import Outcome, Request, Settings
-from fiv_cli.analyses.common import balance, carried, initial_state, stopped, trust
+from fiv_cli.analyses.common import balance, carry, initial_state, stopped, trust
 from fiv_cli.analyses.motion.recording import begun, varying_at
 from fiv_cli.analyses.spectra.resolution import bin_width, frequencies, hop, slice_length
 from fiv_cli.codegen.codes import STICK
@@ -38,7 +38,7 @@ def spectrogram(system: System, request: Request) -> Outcome:
     interval = 1.0 / (OVERSAMPLED * float(settings["f_max"]))
     values, end = _sampled(motion, place, interval, t_end)
     windows = short_time(values, interval, slice_length(settings), hop(settings))
-    outcome = end or Outcome(carry=carried("", motion.y, (kind == STICK for kind in motion.kinds)))
+    outcome = end or Outcome(carry=carry("", motion.y, (kind == STICK for kind in motion.kinds)))
     outcome.values |= _on_bins(windows, settings) | varying_at(system, windows.time)
     outcome.values |= {"initial_state": initial} | trust(motion)
     outcome.values["energy_residual"] = balance(motion, energy_before).residual
