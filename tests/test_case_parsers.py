@@ -306,6 +306,10 @@ class TestNames:
         assert suggest("vs", ["v", "v_s", "m"]) == "did you mean 'v_s'?"
         assert suggest("xyzzy", ["mu_k"]) == ""
 
+    def test_a_word_of_the_name_that_the_likest_lack_leads_to_another(self) -> None:
+        hint = suggest("branch_end", ["branch_min", "cycle_period", "cycle_end"])
+        assert hint == "did you mean 'branch_min' or 'cycle_end'?"
+
     def test_model_and_law_never_share_a_name(self) -> None:
         """A bare name means one parameter, so the two tables must not overlap."""
         for model in all_models().values():

@@ -1561,6 +1561,16 @@ def test_modes_that_a_line_does_not_have_are_not_in_its_legend():
     assert "mode 1, linear" in legend_texts(top)
 
 
+def test_frequencies_of_modes_come_in_the_unit_that_is_asked_for():
+    in_hertz, in_radians = (
+        draw(data.eigenvalues(), figure("eigenvalues", **unit)).axes[1]
+        for unit in ({}, {"unit": "rad/s"})
+    )
+    assert " ".join(in_radians.get_ylabel().split()) == "angular frequency of the mode (rad/s)"
+    for one, other in zip(in_hertz.lines, in_radians.lines, strict=True):
+        np.testing.assert_allclose(other.get_ydata(), 2.0 * np.pi * np.asarray(one.get_ydata()))
+
+
 def test_a_line_stands_where_modes_merge():
     dataset = data.eigenvalues()
     points = np.where(dataset["mu_k"].values[:, None] == 0.5, 0.5, np.nan) * np.ones(4)

@@ -70,7 +70,7 @@ FIGURES = {
     ),
     "curve": ("a variable along an axis, a line for each start", ("x", "y", "variable", "take")),
     "branch": ("branches of cycles and their ends, along their parameter", ()),
-    "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x",)),
+    "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x", "unit")),
     "history": ("states and forces in time", ("variable", "contact", "window")),
     "phase": (
         "one state, or force, against another",

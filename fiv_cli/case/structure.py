@@ -392,7 +392,7 @@ class FigureTable(Table):
     ylim: Interval | None = Field(default=None, description="range of y")
     xlabel: str | None = Field(default=None, description="label of x, in place of its own")
     ylabel: str | None = Field(default=None, description="label of y, in place of its own")
-    unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit of frequencies")
+    unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit: Hz or rad/s")
     resolution: Quantity | None = Field(
         default=None, description="spectrogram of a history: what it tells apart, Hz"
     )

@@ -132,7 +132,11 @@ def _bare(name: str) -> str:
 
 def _similar(name: str, known: Collection[str]) -> list[str]:
     near = difflib.get_close_matches(name, list(known), n=2, cutoff=0.6)
-    return near or [one for one in known if len(name) > 2 and one.startswith(name)][:2]
+    near = near or [one for one in known if len(name) > 2 and one.startswith(name)][:2]
+    told = {word for one in near for word in one.split("_")}
+    untold = {word for word in name.split("_") if len(word) > 2} - told
+    sharing = [one for one in known if untold & {*one.split("_")}]
+    return near + difflib.get_close_matches(name, sharing, n=1, cutoff=0.0)
 
 
 def _explained(name: str, known: Collection[str]) -> str:

@@ -38,6 +38,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         raise UsageError("no eigenvalues in this dataset\nadd an analysis of kind `eigenvalues`")
     points.refuse_empty(dataset, bool(dataset[PARTS[0]].notnull().any()), PARTS[0])
     axis = points.abscissa(dataset, settings)
+    if settings.get("unit") == "rad/s":
+        dataset = dataset.assign({PARTS[1]: _angular(dataset[PARTS[1]])})
     figure, axes = style.new_panels(2, 1, points.title(dataset), sharex=True)
     for ax, name in zip(axes, PARTS, strict=True):
         _panel(ax, dataset, name, axis)
@@ -50,6 +52,12 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     points.mark_gaps(axes, layers, settings)
     points.legend(axes)
     return figure
+
+
+def _angular(frequency: xr.DataArray) -> xr.DataArray:
+    """In rad/s."""
+    attributes = {"long_name": "angular frequency of the mode", "units": "rad s-1"}
+    return (2.0 * np.pi * frequency).assign_attrs(attributes)
 
 
 def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None:
