@@ -195,7 +195,8 @@ def run(
         raise UsageError(f"workers={workers}: nobody computes\nnext: workers=1, in this process")
     told = for_stderr(quiet=not progress) if isinstance(progress, bool) else progress
     with _computing(), _place(output) as path:
-        run_case(case, path, Policy(workers=workers, fresh=fresh), told)
+        policy = Policy(workers=workers, fresh=fresh, foresee=bool(progress))
+        run_case(case, path, policy, told)
         return read(path)
 
 

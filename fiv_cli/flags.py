@@ -397,6 +397,10 @@ ADVICE_OF = {
     "or ask for another class (of)",
     ("time_budget", "response"): "the motion had not settled by half of t_max, from where on it is "
     "measured: raise t_max",
+    **{
+        ("too_many_events", kind): "raise solver.max_events, or lower t_end if the motion chatters"
+        for kind in ("history", "spectrogram")
+    },
     ("no_crossing", "critical"): "no mode changes its stability inside the bracket (unstable "
     "throughout where growth_at_low is above 0, stable where it is below): widen it, or look "
     "closer, at `eigenvalues` along it",

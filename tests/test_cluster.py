@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 import os
 import random
+import re
 import shutil
 import signal
 import threading
@@ -19,11 +20,11 @@ import pytest
 import sweep_fakes
 from clusters import Dask, LoopbackCluster
 from disturbed import Run, wait_for
-from small_cases import FAR
+from small_cases import ENDLESS, FAR
 
 import fiv_cli
 from fiv_cli.case.case import Case
-from fiv_cli.case.load import load_case
+from fiv_cli.case.load import load_case, parse_case
 from fiv_cli.errors import ClusterError, StoreMismatchError
 from fiv_cli.own.probe import use_files
 from fiv_cli.sweep import cluster as clusters
@@ -34,6 +35,7 @@ from fiv_cli.sweep.policy import Policy
 from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.queue import Queue
 from fiv_cli.sweep.run import Summary, assemble_case, run_case
+from fiv_cli.sweep.scheduler import Scheduler
 
 PATIENCE = 60.0
 DEADLY = "sweep_fakes:deadly_once"
@@ -83,6 +85,16 @@ def test_a_cluster_leaves_no_trace(tmp_path: Path, cluster: LoopbackCluster, tex
         sweep(tmp_path / "c.nc", text, where, executor=executor, max_points=7)
     sweep(tmp_path / "c.nc", text, cluster, executor=executor)
     assert (tmp_path / "c.nc").read_bytes() == expected
+
+
+def test_that_it_may_take_hours_is_told_for_as_many_workers_as_there_are(
+    tmp_path: Path, cluster: LoopbackCluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Scheduler, "_drain", lambda *_: None)
+    told, policy = Notes(), Policy(cluster=cluster.address, workers=1, foresee=True)
+    run_case(parse_case(ENDLESS, "endless.toml"), tmp_path / "a.nc", policy, told)
+    assert any(re.search("response takes .* on 2 workers", text) for text in told.said)
+    assert any("may take more than an hour" in text for text in told.said)
 
 
 def test_a_point_that_ends_its_process_fails_alone(

@@ -20,7 +20,8 @@ from fiv_cli.case.case import Refinement
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.sweep.borders import draw
-from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _spread, estimate
+from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _spread, estimate, foreseen
+from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.map_estimate import Drawing
 from fiv_cli.sweep.plan import make_plan
 from fiv_cli.sweep.policy import Policy
@@ -101,6 +102,41 @@ def test_what_is_given_up_takes_at_most_what_its_steps_and_its_limit_allow() -> 
         assert given_up.result is None and given_up.most > 3600.0
         assert 0.0 < given_up.least <= 0.5
         assert limited.run(twice, share=0.5).most == 2 * 30.0
+
+
+BELT_IN_TIME: dict[str, Any] = {
+    "schema": 1,
+    "model": {"name": "belt-1dof"},
+    "solver": {"max_steps": 10**15, "max_events": 10**15},
+    "analysis": [{"kind": "history", "t_end": 30.0}],
+}
+
+
+@pytest.mark.parametrize(("t_end", "is_long"), [(30.0, False), (1e11, True)])
+def test_of_few_points_the_time_of_their_motions_tells_how_long_they_take(
+    tmp_path: Path, t_end: float, is_long: bool
+) -> None:
+    """One that is done at once is not even tried."""
+    case = api.load(BELT_IN_TIME, overrides={"analysis.history.t_end": t_end})
+    found = foreseen(Journal(tmp_path, make_plan(case)), Policy())
+    assert [one.seconds[1] > 3600.0 for one in found] == [True] * is_long
+    assert foreseen(Journal(tmp_path, make_plan(case)), Policy(time_limit=60.0)) == []
+
+
+def test_who_runs_a_case_from_python_and_hears_of_it_hears_that_it_takes_long(
+    tmp_path: Path,
+) -> None:
+    class Enough(Exception):
+        pass
+
+    class Told(Silent):
+        def note(self, text: str) -> None:
+            if "may take more than an hour" in text:
+                raise Enough
+
+    case = api.load(BELT_IN_TIME, overrides={"analysis.history.t_end": 1e11})
+    with pytest.raises(Enough):
+        api.run(case, tmp_path / "a.nc", progress=Told())
 
 
 def test_a_process_that_tries_points_ends_with_what_it_is_for() -> None:

@@ -282,6 +282,7 @@ class Analysis:
     chains : whether a point may continue from its neighbour along an axis
     recorded : whether `run` follows a motion and no more, so that tangents are not needed nor,
         from a given state, equilibria
+    spans : settings that say for how long motions are followed; all work grows as these do
     single : whether one point says something, so that a template has no grid
     figure : kind of figure that shows its answer
     answer : what it gives, in a sentence, where the title does not say all
@@ -303,6 +304,7 @@ class Analysis:
     generated: bool = True
     chains: bool = True
     recorded: bool = False
+    spans: tuple[str, ...] = ()
     single: bool = False
     figure: str = "curve"
     answer: str = ""

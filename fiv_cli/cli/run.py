@@ -132,7 +132,7 @@ def command(
         fail_fast=not keep_going,
         max_points=max_points,
         time_limit=time_limit,
-        foresee=not (quiet or cluster),
+        foresee=not quiet,
     )
     loaded = load_all(cases, overrides)
     outputs = _outputs(loaded, output)

@@ -21,6 +21,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import AT_ONCE
 from fiv_cli.analyses.execute import prepare
 from fiv_cli.case.case import Case
@@ -41,10 +42,10 @@ from fiv_cli.sweep.plan import (
     visiting_order,
 )
 from fiv_cli.sweep.policy import Policy
-from fiv_cli.sweep.probe import Probe, Tried
+from fiv_cli.sweep.probe import PARTS, Probe, Tried, is_answered, part_of
 from fiv_cli.sweep.refine import Maps
 from fiv_cli.sweep.requests import StartEntry, Values
-from fiv_cli.sweep.worker import Segment, Task
+from fiv_cli.sweep.worker import Segment, Task, run_task
 
 PATIENCE = 20.0  # s for the points of an analysis, after which no other is begun
 PIECES = 8  # points that this leaves room for where each is given up
@@ -54,12 +55,14 @@ MOST = 20_000  # places that are spread evenly; those after them come in order
 LINKS = 30  # points of a piece of a chain
 TASK, BLOCK = 0.02, 1.0  # s that a task aims for, of points that are run alone and in blocks
 OF_FIRST = 0.25  # share of the limit of a task after which the first point is given up
-ROOM = 100  # times as dear as the first may all points of a task be without being given up
+ROOM = 100  # times as dear as is known a point may be, without being given up and when it was
 LOADING = 0.3  # s below which the first point is run again: it also loads code
 
 # Before a run: s for all its analyses, also as a share of what it takes; least and most for a task.
 GLANCE, WORTH, GLIMPSE = 3.0, 0.05, (0.25, 1.0)
 STEPS = 1e9  # that a run may make for each place that is tried at least: half an hour's at most
+# Of fewer, some points for a share of their time, by so many steps: what a run of all may take, s.
+FEW, PART, FEW_STEPS, SHORT = 4, PARTS[0], 10_000, HOUR / 3.0
 
 # Relative error that no sample removes: of the timing, and of work besides the points.
 OF_TIMING = 0.1
@@ -118,7 +121,14 @@ class Estimate:
         """From how many points that is known."""
         some = f"from {self.sampled} of {_span(self.points)}"
         given_up = f", {self.given_up} given up after {duration(self.limit)} and taken as"
-        return some + f"{given_up} up to max_steps" * bool(self.given_up)
+        return some + f"{given_up} up to all their time or steps" * bool(self.given_up)
+
+
+class Crew(NamedTuple):
+    """Who computes: so many workers, on so many cores."""
+
+    workers: int
+    cores: float
 
 
 class Unit(NamedTuple):
@@ -233,7 +243,8 @@ def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Itera
         left = int((record.wanted() & ~record.done()).sum())
         with Probe(effort.limit) as probe:
             run = partial(_tried, probe, analysis)
-            found = _estimated(analysis, record, left, run, effort, workers)
+            crew = Crew(workers, os.cpu_count() or 1)
+            found = _estimated(analysis, record, left, run, effort, crew)
         yield from found
 
 
@@ -244,10 +255,12 @@ def foreseen(journal: Journal, policy: Policy) -> list[Estimate]:
     ]
     limit = sum(left) if policy.max_points is None else policy.max_points
     left = np.diff(np.minimum(np.cumsum([0, *left]), limit)).tolist()
+    crew = Crew(policy.workers, inf if policy.cluster else os.cpu_count() or 1)
+    most_of_a_point = policy.time_limit or inf
     parts = list(zip(journal.plan.analyses, journal.records, left, strict=True))
-    dear = [part for part in parts if _places(part[0], part[2]) > 1]
+    dear = [part for part in parts if _may_be_long(part[0], part[2], most_of_a_point, crew)]
     patience = GLANCE / max(1, len(dear))
-    return [one for part in dear for one in _glanced_at(*part, patience, policy)]
+    return [one for part in dear for one in _glanced_at(*part, patience, most_of_a_point, crew)]
 
 
 def _at_most_left(analysis: AnalysisPlan, record: Record) -> int:
@@ -258,19 +271,48 @@ def _at_most_left(analysis: AnalysisPlan, record: Record) -> int:
 
 def _places(analysis: AnalysisPlan, left: int) -> int:
     """How many places are tried before a run that has so many points left; 1: none need be."""
-    return min(PIECES, int(left * analysis.template.solver.max_steps / STEPS))
+    return max(1, min(PIECES, int(left * analysis.template.solver.max_steps / STEPS)))
+
+
+def _may_be_long(analysis: AnalysisPlan, left: int, most_of_a_point: float, crew: Crew) -> bool:
+    """Whether so many points may take so long that some are tried before."""
+    share = left / _parallel(analysis, crew)
+    if not left or share * most_of_a_point < SHORT:
+        return False
+    if _places(analysis, left) > 1 or not get_analysis(analysis.template.analysis).spans:
+        return True
+    starts = range(len(analysis.template.entries))
+    some = list(itertools.islice(_single(analysis, starts), FEW))
+    for first in some[:1]:
+        _of_a_part(analysis, first)  # which loads code
+    return share * max((_of_a_part(analysis, one) for one in some), default=0.0) > SHORT
+
+
+def _of_a_part(analysis: AnalysisPlan, segment: Segment) -> float:
+    """What a point takes if its motion takes all its time, s, from a part of it; inf: not told."""
+    part = part_of(analysis.template, PART)
+    part = replace(part, solver=replace(part.solver, max_steps=FEW_STEPS))
+    result = run_task(Task(part, analysis.layout.variables, (segment,)))
+    return result.seconds / PART if is_answered(result) else inf
 
 
 def _glanced_at(
-    analysis: AnalysisPlan, record: Record, left: int, patience: float, policy: Policy
+    analysis: AnalysisPlan,
+    record: Record,
+    left: int,
+    patience: float,
+    most_of_a_point: float,
+    crew: Crew,
 ) -> list[Estimate]:
-    """The estimate of an analysis from what a glance tells."""
-    (least, most), most_of_a_point = GLIMPSE, policy.time_limit or inf
-    limit = min(max(HOUR * policy.workers / left, least), most, most_of_a_point)
-    effort = Effort(patience, limit, _places(analysis, left), WORTH)
-    with Probe(limit, most_of_a_point) as probe:
+    """The estimate of an analysis from what a glance tells; few points are given all of it."""
+    places, (least, most) = _places(analysis, left), GLIMPSE
+    fair = max(HOUR * crew.workers / left, least)
+    limit = min(fair, most if places > 1 else patience, most_of_a_point)
+    effort = Effort(patience, limit, places, WORTH)
+    guess = ROOM * limit if places == 1 else inf
+    with Probe(limit, most_of_a_point, guess) as probe:
         run = partial(_tried, probe, analysis)
-        return _estimated(analysis, record, left, run, effort, policy.workers)
+        return _estimated(analysis, record, left, run, effort, crew)
 
 
 def _stored(case: Case) -> Journal:
@@ -358,7 +400,7 @@ def _at(analysis: AnalysisPlan, run: Try, positions: Sequence[int]) -> Tried:
 
 
 def _estimated(
-    analysis: AnalysisPlan, record: Record, left: int, run: Try, effort: Effort, workers: int
+    analysis: AnalysisPlan, record: Record, left: int, run: Try, effort: Effort, crew: Crew
 ) -> list[Estimate]:
     """What the points left of one analysis will cost; nothing where none of it can be run."""
     if analysis.maps is not None:
@@ -367,13 +409,13 @@ def _estimated(
         strata = _sampled(analysis, run, effort)
         sample = _of_strata(strata, _points(analysis), left / analysis.size)
     stored = int(np.count_nonzero(record.done() & record.wanted()))
-    return [_told(analysis, sample, stored, workers, effort.limit)] if sample.run else []
+    return [_told(analysis, sample, stored, crew, effort.limit)] if sample.run else []
 
 
 def _told(
-    analysis: AnalysisPlan, sample: Sample, stored: int, workers: int, limit: float
+    analysis: AnalysisPlan, sample: Sample, stored: int, crew: Crew, limit: float
 ) -> Estimate:
-    at_once = _parallel(analysis, workers)
+    workers, at_once = crew.workers, _parallel(analysis, crew)
     spreads = [exp(2.0 * hypot(error, OF_TIMING)) for error in sample.errors]
     low, high = (STARTING + seconds / at_once for seconds in sample.cost.seconds)
     low, high = low / spreads[0], high * spreads[1]
@@ -413,11 +455,11 @@ def _points(analysis: AnalysisPlan) -> int:
     return analysis.size - sum(analysis.excluded().values())
 
 
-def _parallel(analysis: AnalysisPlan, workers: int) -> float:
+def _parallel(analysis: AnalysisPlan, crew: Crew) -> float:
     """How many points are run at once: of a chain one after the other."""
     entries = analysis.template.entries
     chained = [entry for entry in entries if entry is not None and continues(entry)]
-    most = min(workers, os.cpu_count() or 1)
+    most = min(crew)
     if len(chained) < len(entries):
         return most
     return min(most, analysis.size / max(c.positions.shape[1] for c in analysis.chain_sets()))

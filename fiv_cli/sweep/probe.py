@@ -20,11 +20,19 @@ from multiprocessing.process import BaseProcess
 from typing import NamedTuple
 
 from fiv_cli import ending
+from fiv_cli.analyses import get_analysis
 from fiv_cli.flags import STATUS
+from fiv_cli.sweep.requests import Template
 from fiv_cli.sweep.worker import Result, Task, initialise, run_task
 
 FEW_STEPS = 100_000
 """Steps of a task that was given up, which say what all that it may take would cost."""
+
+PARTS = (1e-3, 1e-2, 1e-1)
+"""Shares of the time of its motions, likewise, ..."""
+
+TELLING = 0.1
+"""... up to the first that takes this share of what a task may."""
 
 
 class Tried(NamedTuple):
@@ -45,10 +53,17 @@ class Tried(NamedTuple):
 
 @dataclass
 class Probe:
-    """Runs tasks, each for at most `limit` seconds; no point of a run takes more than `most`."""
+    """Runs tasks, each for at most `limit` seconds.
+
+    Attributes
+    ----------
+    most : seconds that no point of a run takes more than
+    guess : what one that is given up is taken for at most, where neither time nor steps bound it
+    """
 
     limit: float
     most: float = inf
+    guess: float = inf
     _spent: float = 0.0
     _process: BaseProcess | None = None
     _pipe: Connection | None = None
@@ -68,8 +83,10 @@ class Probe:
         found = self._answer(task, share * self.limit)
         if isinstance(found, float):
             points = sum(len(segment.values) for segment in task.segments)
-            longest, nbytes = self._first_steps(task, max(1000, FEW_STEPS // points))
-            return Tried(None, found, max(found, min(points * self.most, longest)), nbytes)
+            by_steps, nbytes = self._first_steps(task, max(1000, FEW_STEPS // points))
+            bound = min(by_steps, self._parts(task))
+            longest = min(points * self.most, bound if bound < inf else points * self.guess)
+            return Tried(None, found, max(found, longest), nbytes)
         result, seconds = found
         return Tried(result, seconds, seconds, result.block.nbytes)
 
@@ -83,6 +100,18 @@ class Probe:
         block = found[0].block
         is_told = (block.status == STATUS.codes["budget"]).any()
         return found[1] * solver.max_steps / few if is_told else inf, block.nbytes
+
+    def _parts(self, task: Task) -> float:
+        """What a task takes if all its motions take all their time, s."""
+        longest = inf
+        for share in PARTS if get_analysis(task.template.analysis).spans else ():
+            found = self._answer(replace(task, template=part_of(task.template, share)), self.limit)
+            if isinstance(found, float) or not is_answered(found[0]):
+                break
+            longest = found[1] / share
+            if found[1] > TELLING * self.limit:
+                break
+        return longest
 
     def _answer(self, task: Task, limit: float) -> tuple[Result, float] | float:
         """What a task gives, and its processor time, s; the time alone: it was ended."""
@@ -114,6 +143,19 @@ class Probe:
         self._process = self._pipe = None
         self._spent = 0.0
         return _of_children() - before
+
+
+def part_of(template: Template, share: float) -> Template:
+    """Motions for a share of their time."""
+    spans = get_analysis(template.analysis).spans
+    given = {name: template.settings[name] for name in spans}
+    short = {name: share * span for name, span in given.items() if span is not None}
+    return replace(template, settings={**template.settings, **short})
+
+
+def is_answered(result: Result) -> bool:
+    """Whether no point of it failed, nor met a limit."""
+    return bool((result.block.status == STATUS.codes["ok"]).all())
 
 
 def _of_children() -> float:

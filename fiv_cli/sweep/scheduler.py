@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from fiv_cli import ending
 from fiv_cli.data.log import came
@@ -171,9 +171,12 @@ class Scheduler:
         return Queue(analysis, record, self.policy.executor, self.policy.time_limit)
 
     def _prepare(self, indices: list[int]) -> None:
-        """Generate and compile before workers start; on a cluster each host does it."""
+        """Generate and compile before workers start; on a cluster each host does it.
+
+        This one too, where it is to say how long that takes.
+        """
         analyses = [self.journal.plan.analyses[i] for i in indices]
-        if not self.policy.cluster:
+        if self.policy.foresee or not self.policy.cluster:
             requests = (request for analysis in analyses for request in analysis.systems())
             imported(self.policy.preparer)(requests, self.progress.note)
         differing = unequal_defaults(self.journal.plan.case)
@@ -187,7 +190,11 @@ class Scheduler:
         """Say before it begins that a run may take long, from points that are tried."""
         from fiv_cli.sweep.estimate import foreseen
 
-        found = foreseen(self.journal, self.policy)
+        policy = self.policy
+        if policy.cluster:
+            self._workers = self._started_workers()
+            policy = replace(policy, workers=max(1, self._workers.size))
+        found = foreseen(self.journal, policy)
         if sum(one.seconds[1] for one in found) > LONG:
             self._is_told = True
             for one in found:

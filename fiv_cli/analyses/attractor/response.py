@@ -44,6 +44,8 @@ SETTINGS = (
     ),
 )
 
+SPANS = ("t_max", "transient")
+
 POWERS_TOLD = Choice(
     "powers",
     "mean powers of friction, wear, drive, impacts and each external force; each tells those of "
@@ -171,6 +173,7 @@ ANALYSIS = Analysis(
     variables,
     Later("fiv_cli.analyses.attractor.side_by_side:steady_states"),
     in_blocks=True,
+    spans=SPANS,
     figure="bifurcation",
     answer=(
         "class, period, multiplicity, vibration intensity L_s, shares of stick and slip, "

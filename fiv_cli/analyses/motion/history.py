@@ -92,6 +92,7 @@ ANALYSIS = Analysis(
     in_blocks=True,
     varying=True,
     recorded=True,
+    spans=("t_end",),
     single=True,
     figure="history",
     answer="states, forces, contact state and energies over time, and every event",

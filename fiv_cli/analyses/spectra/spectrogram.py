@@ -58,6 +58,7 @@ ANALYSIS = Analysis(
     constant=False,
     counterpart="spectrum",
     recorded=True,
+    spans=("t_end",),
     single=True,
     figure="spectrogram",
     answer="amplitudes of a motion whose parameters vary ([schedule])",

@@ -84,6 +84,7 @@ ANALYSIS = Analysis(
     variables,
     Later("fiv_cli.analyses.spectra.amplitudes:steady_spectrum"),
     counterpart="spectrogram",
+    spans=response.SPANS,
     figure="spectrum",
     answer="amplitudes of the steady state, beside the unstable eigenfrequencies",
 )
