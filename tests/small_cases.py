@@ -38,7 +38,7 @@ t_max = {t_max}
 """
 
 ENDLESS = (
-    FAR.format(v=10, N=120, transient=1e9, t_max=2e9)
+    FAR.format(v=10, N=120, transient=1e13, t_max=2e13)
     .replace("start = 0.5, stop = 2.0, num = 10", "start = 2.0, stop = 3.0, num = 2")
     .replace("num = 120", "num = 2")
     .replace("x = 10.0", "x = 0.5")
