@@ -281,15 +281,19 @@ def test_a_chain_may_begin_where_another_ended(tmp_path: Path, count_file: Path)
     np.testing.assert_allclose(found, expected, rtol=1e-14)
 
 
-def test_a_chain_whose_beginning_was_not_reached_is_not_reached_but_may_restart(
-    tmp_path: Path,
-) -> None:
-    for on_loss, reached in {"stop": 0, "go-on": 0, "restart": 8}.items():
+def test_a_chain_goes_back_from_where_the_one_before_was_lost_or_restarts(tmp_path: Path) -> None:
+    for on_loss, reached in {"stop": 6, "go-on": 6, "restart": 8}.items():
         up, down = (f'on_loss = "{word}"' for word in ("stop", on_loss))
         first, second, third = sweep_fakes.LOOP.split('on_loss = "go-on"')
-        sweep(tmp_path / f"{on_loss}.nc", first + up + second + down + third)
-        found = read_datasets(tmp_path / f"{on_loss}.nc")[""].sel(v=1.0, initial="down")
-        assert int((found["status"] == 0).sum()) == reached
+        text, output = first + up + second + down + third, tmp_path / f"{on_loss}.nc"
+        for most in (9, None):  # up to where it turns, and from there
+            sweep(output, text, chunk_points=1, max_points=most)
+        found = read_datasets(output)[""].sel(v=1.0)
+        is_told = found["status"].sel(initial="down") == 0
+        assert is_told.values.tolist() == [True] * reached + [False] * (8 - reached)
+        assert int((found["status"].sel(initial="up") == 0).sum()) == 7  # the last of another class
+        sweep(tmp_path / "whole.nc", text, fresh=True)
+        assert output.read_bytes() == (tmp_path / "whole.nc").read_bytes()
 
 
 @pytest.mark.parametrize("on_loss", ["stop", "restart"])

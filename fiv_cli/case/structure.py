@@ -253,8 +253,8 @@ class InitialTable(Table):
         default=None,
         alias="from",
         description="needed: label of the start of the first point; of a chain the other way "
-        "along: this one begins where that one ended (a hysteresis loop; mostly with on_loss "
-        "go-on)",
+        "along: this one begins where that one ended, or lost its class (a hysteresis loop; "
+        "mostly with on_loss go-on)",
     )
     on_loss: Literal["stop", "restart", "go-on"] = Field(
         default="stop",

@@ -52,6 +52,7 @@ class ChainState:
     values : axis values of the point that left `carry`; empty: none
     earlier : the same two of the point before that one; None where it was on no such branch
     begun : what the neighbour itself began with; None: the start
+    last : of a class that was lost the last point of it, from where a chain that turns back goes on
     """
 
     lost: bool
@@ -61,16 +62,18 @@ class ChainState:
     values: list[Any] | None = None
     earlier: Carry | None = None
     begun: Carry | None = None
+    last: Carry | None = None
 
     def is_sound(self) -> bool:
         """Whether it has the form that `plain` stores (a shard may be made by hand)."""
         words = isinstance(self.attractor, str) and isinstance(self.blocked, str)
-        carries = (self.carry, self.earlier, self.begun)
+        carries = (self.carry, self.earlier, self.begun, self.last)
         carried = all(isinstance(one, dict | None) for one in carries)
         if not (words and carried and isinstance(self.lost, bool)):
             return False
         placed = isinstance(self.values, list) if self.carry is not None else self.values is None
-        return placed and (self.earlier is None or self.earlier.keys() == {"values", "carry"})
+        behind = (self.earlier, {"values", "carry"}), (self.last, {"values", "carry", "attractor"})
+        return placed and all(one is None or one.keys() == keys for one, keys in behind)
 
     def plain(self) -> dict[str, Any]:
         """As plain data, for a shard."""
@@ -95,11 +98,26 @@ def state_after(
     if outcome.status == "failed" and is_retried(outcome.reason):
         blocked = outcome.reason
     if lost:
-        return ChainState(True, None, told or followed, blocked)
+        return ChainState(True, None, told or followed, blocked, last=_last(before))
     carry, earlier = _stored_form(outcome.carry), None
     if before is not None and not before.lost:
         earlier = {"values": before.values, "carry": before.carry}
     return ChainState(False, carry, told or followed, blocked, list(values), earlier)
+
+
+def _last(state: ChainState | None) -> Carry | None:
+    """The last point of a class that is lost by now."""
+    if state is None or state.lost:
+        return None if state is None else state.last
+    return {"values": state.values, "carry": state.carry, "attractor": state.attractor}
+
+
+def _turned(entry: StartEntry, state: ChainState | None, values: Values) -> ChainState | None:
+    """What a point goes on from: back where a class was lost, that is what it was lost from."""
+    last = None if state is None or state.blocked else state.last
+    if last is None or last["values"] != list(values) or entry.spec.on_loss == "restart":
+        return state
+    return ChainState(False, last["carry"], last["attractor"], values=last["values"])
 
 
 def _told(outcome: Outcome) -> str:
@@ -136,6 +154,7 @@ class Chain:
         self, request: Request, values: Values, before: ChainState | None
     ) -> tuple[Outcome, ChainState]:
         """The outcome of a point, and what it leaves to the next one."""
+        before = _turned(self.entry, before, values)
         barrier = _barrier(self.entry, before)
         if barrier:
             outcome = Outcome("not_reached", barrier)
