@@ -95,24 +95,32 @@ def test_every_kind_of_dataset_follows_the_conventions(written: Path) -> None:
         assert list(broken_rules(file)) == []
 
 
-def test_a_checker_of_others_has_nothing_to_say(written: Path) -> None:
-    """But that the thesis has an m beside an M (2.3, a recommendation), and that what is called
-    `time` begins at a date. By 2.3 names mean nothing, and by 4.4 what counts in plain seconds is
-    no time coordinate: the checker's authors take that rule out (their issue 1245)."""
+# It asks that a dimension called `time` begins at a date. By 2.3 names mean nothing, and by 4.4
+# plain seconds make no time axis: its authors take the rule out (issue 1245, pull request 1353).
+MISTAKEN = "check_spatiotemporal_dims_have_coordinate_vars"
+
+
+def test_a_checker_of_others_passes(written: Path) -> None:
+    """And recommends nothing (2.3) but that the thesis' m be not beside its M."""
     from compliance_checker.runner import CheckSuite, ComplianceChecker
 
     CheckSuite().load_all_available_checkers()
     report = written.with_suffix(".json")
-    ComplianceChecker.run_checker(
-        str(written), ["cf:1.11"], 0, "strict", output_filename=str(report), output_format="json"
+    passes, failed = ComplianceChecker.run_checker(
+        str(written),
+        ["cf:1.11"],
+        0,
+        "lenient",
+        skip_checks=[MISTAKEN],
+        output_filename=str(report),
+        output_format="json",
     )
+    assert passes and not failed
     (told,) = json.loads(report.read_text()).values()
     groups = [told[f"{priority}_priorities"] for priority in ("high", "medium", "low")]
     messages = [message for group in groups for one in group for message in one["msgs"]]
-    known = re.compile(
-        "Coordinate variable 'time' should have standard_name|.*case sensitive.*: m$"
-    )
-    assert told["possible_points"] > 0 and [m for m in messages if not known.match(m)] == []
+    assert told["possible_points"] > 0
+    assert [m for m in messages if not m.endswith("Duplicate variables named: m")] == []
 
 
 def test_a_ragged_value_leads_back_to_its_point() -> None:

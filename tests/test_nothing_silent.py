@@ -39,6 +39,21 @@ def test_energies_that_are_no_number_fail_the_point(kind: str, settings: Any) ->
     assert (found.status, found.reason, found.values) == ("failed", "no_number", {})
 
 
+# --- branches from elsewhere ----------------------------------------------------------------------
+@pytest.mark.parametrize(("kind", "told"), [("cycle", True), ("boundary", False)])
+def test_a_branch_begins_at_the_cases_own_value(kind: str, told: bool) -> None:
+    of = {"variable": "attractor", "expect": "periodic"} if kind == "boundary" else None
+    asked = {"kind": kind, "parameter": "v", "bracket": [0.5, 0.9]} | ({"of": of} if of else {})
+    case = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [asked]}
+    if not told:
+        assert api.load(case).analyses[0].settings["bracket"] == (0.5, 0.9)
+        return
+    with pytest.raises(CaseError, match=r"both ways from v = 1\.0, .*outside") as caught:
+        api.load(case)
+    assert "or v between 0.5 and 0.9 in [model.parameters]" in str(caught.value)
+    assert api.load(case | {"model": {"name": "belt-1dof", "parameters": {"v": 0.7}}})
+
+
 # --- figures and claims of what is not there ------------------------------------------------------
 FAR = {"label": "far", "kind": "state", "state": {"x": 10.0}}
 ASKING: dict[str, Any] = {

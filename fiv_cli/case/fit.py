@@ -23,6 +23,7 @@ def refuse_what_does_not_fit(case: Case, form: Form, physics: Physics, report: R
     _refuse_unused_start_axes(case.axes, case.analyses, report)
     _refuse_needless_chains(case.analyses, case.starts, report)
     _refuse_endless_transients(case.analyses, report)
+    _refuse_branches_from_elsewhere(case, physics, report)
     refuse_along_chains(case.refinement, case.starts, report)
     refuse_unsuited_analyses(form, case.schedule, case.analyses, report)
     _refuse_too_many_runs(case.axes, case.zips, case.starts, report)
@@ -62,6 +63,26 @@ def _refuse_endless_transients(analyses: Sequence[AnalysisSpec], report: Report)
             place = ("analysis", index, "transient")
             message = f"{transient:g} s leave nothing of t_max = {t_max:g} s"
             report.add(place, message, f"less than {t_max:g} s; or raise t_max")
+
+
+def _refuse_branches_from_elsewhere(case: Case, physics: Physics, report: Report) -> None:
+    """Where a bracket may be left out, the branch in it is followed from the case's own value."""
+    law = physics.laws[0]
+    for index, spec in enumerate(case.analyses):
+        required = {one.name for one in get_analysis(spec.kind).settings if one.required}
+        if "bracket" in required or not spec.settings.get("bracket"):
+            continue
+        name, (low, high) = spec.settings["parameter"].name, spec.settings["bracket"]
+        own = case.parameters_at(law.name, {}).get(name)
+        if own is not None and not low <= own <= high:
+            of_law = name in (parameter.name for parameter in law.parameters)
+            table = "friction" if of_law else "model.parameters"
+            report.add(
+                ("analysis", index, "bracket"),
+                f"the branch is followed both ways from {name} = {own!r}, the case's own, "
+                "which lies outside",
+                f"a bracket that holds it; or {name} between {low!r} and {high!r} in [{table}]",
+            )
 
 
 def _refuse_too_many_runs(
