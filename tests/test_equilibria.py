@@ -13,11 +13,13 @@ from small_models import DOUBLE_WELL
 
 from fiv_cli.analyses.rest.equilibria import all_equilibria, equilibria, relative_residual, sliding
 from fiv_cli.api import analyse
+from fiv_cli.codegen.derive import derive
 from fiv_cli.codegen.reduce import derive_statics
 from fiv_cli.codegen.setup import Setup
 from fiv_cli.flags import reason_code
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Contact, Equations, Model, Options, Parameter
+from fiv_cli.schedule import make_schedule
 
 # Thesis 6.4.2.1: mu_k, then x1, y1, x2, y2, phi. At 1.4 the thesis prints x1 with a minus sign,
 # which no root of 6.18 has.
@@ -155,6 +157,16 @@ def test_modes_of_a_disc_leave_a_polynomial(model: str, slope_force: str) -> Non
     first = derive_statics(Setup.of(model, "exponential", options)).reductions[0]
     assert first.scalar == "F_N.0"
     assert first.eliminated == ("C_0_1", "D_0_1")
+
+
+def test_a_rest_is_derived_the_same_before_and_after_a_schedule() -> None:
+    """What is kept of a case at constant speed serves one whose speed varies, and back."""
+    steady, varying = (
+        Setup.of("belt-1dof", "coulomb", schedule=make_schedule(curves))
+        for curves in ({}, {"v": [(0.0, 1.0), (9.0, 0.0)]})
+    )
+    assert derive(varying).parameter_names != derive(steady).parameter_names
+    assert derive_statics(varying) == derive_statics(steady)
 
 
 @pytest.mark.parametrize(("F", "k_nl"), [(1000.0, 1e6), (1e4, 1e8), (1e4, 0.0)])

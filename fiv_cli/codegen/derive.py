@@ -140,8 +140,7 @@ class _Deriver:
             [f"{state.name}_{i + 1}" if len(self.laws) > 1 else state.name for state in law.states]
             for i, law in enumerate(self.laws)
         ]
-        self.parameters = setup.parameter_names
-        self.parameters += [rate_of(name) for name in scheduled]
+        self.parameters = [*setup.parameter_names, *map(rate_of, scheduled)]
         self.law_forces = [self._law_force(i) for i in range(len(self.contacts))]
 
     # --- the parts of the vector ------------------------------------------------------------------

@@ -120,11 +120,11 @@ class Setup:
         return self.model, self.law, options, structural, self.order, self.schedule
 
     @cached_property
-    def parameter_names(self) -> list[str]:
+    def parameter_names(self) -> tuple[str, ...]:
         """What equations may name: parameters of model and law, then derived numbers."""
         own, derived = [p.name for p in self.model.parameters], self.model.derived
         theirs = [p.name for p in self.law.parameters if p.name not in own]
-        return [*own, *theirs, *(derived.names(self.options) if derived else ())]
+        return (*own, *theirs, *(derived.names(self.options) if derived else ()))
 
     @property
     def title(self) -> str:

@@ -30,8 +30,9 @@ ORDER = 0  # no Taylor series: what stands for the order in the key
 
 def generate_statics(setup: Setup) -> Statics:
     """The statics of a system, from the cache or derived now (with SymPy)."""
-    name = text_key(replace(setup, order=ORDER, schedule=STEADY)) + ".statics.json"
-    content = cache.frozen(json.loads(cache.kept(name, lambda: _derived(setup))))
+    still = replace(setup, order=ORDER, schedule=STEADY)
+    name = text_key(still) + ".statics.json"
+    content = cache.frozen(json.loads(cache.kept(name, lambda: _derived(still))))
     reductions = tuple(Reduction(**reduction) for reduction in content.pop("reductions"))
     return Statics(**content, reductions=reductions)
 
