@@ -490,6 +490,23 @@ def test_only_branches_at_the_fixed_parameters_of_a_diagram_are_laid_over_it(pre
             draw(named, near)
 
 
+@pytest.mark.parametrize("axis", [False, True])
+def test_only_branches_of_its_law_and_options_are_laid_over_a_diagram(axis):
+    diagram = data.bifurcation().assign_attrs(law="coulomb", options_json='{"impact": "plastic"}')
+    for impact, lines in (("plastic", 2), ("thesis", 0)):
+        branches = branch_along_the_speed(preloads=(30.0,)).assign_attrs(law="coulomb")
+        branches.attrs["options_json"] = json.dumps({"impact": impact})
+        if axis:  # the options tell the default where the grid varies it
+            branches = branches.assign_coords(impact=impact)
+            branches.attrs["options_json"] = '{"impact": "plastic"}'
+        named = [("", diagram), ("branch", branches)]
+        if lines:
+            assert len(dashed(draw(named, figure("bifurcation")).axes[0])) == lines
+        else:
+            with pytest.raises(EmptyFigureError, match="the branch branch is of other parameters"):
+                draw(named, figure("bifurcation"))
+
+
 @pytest.mark.parametrize(("ends", "place"), [([2.6, 9.0], 2.6), ([3.4], 3.4), ([9.0], 2.5)])
 def test_pieces_of_a_branch_meet_where_its_stability_changes(ends, place):
     """Also at a fold, beyond both cycles; midway where what changes it was not found."""
@@ -1309,6 +1326,13 @@ def test_motions_without_a_known_sample_are_not_drawn():
     dataset["phi"][:] = np.nan
     with pytest.raises(EmptyFigureError, match="nothing to draw"):
         draw(dataset, figure("history"))
+
+
+def test_spectra_none_of_which_is_known_are_not_drawn():
+    dataset = data.spectra()
+    dataset["amplitude"][:] = np.nan
+    with pytest.raises(EmptyFigureError, match="amplitude: nothing to draw"):
+        draw(dataset, figure("spectrum"))
 
 
 def test_a_history_that_ended_early_is_drawn_as_far_as_it_goes():

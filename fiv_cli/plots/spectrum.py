@@ -44,6 +44,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     dataset = layers[0].dataset
     if STEADY not in dataset:
         return _draw_motions(dataset, settings)
+    points.refuse_empty(dataset, bool(dataset[STEADY].notnull().any()), STEADY)
     if any(select.is_numeric(axis) for axis in points.varying_axes(dataset)):
         return _draw_along(dataset, settings)
     return _draw_steady(dataset, settings)
