@@ -284,10 +284,28 @@ def test_how_a_motion_sticks_on_its_way_is_not_how_it_ends(reason: str, verdict:
     assert found.verdict == verdict
 
 
+def test_a_run_says_what_passes_what_its_equations_take_as_small(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As `fiv show` does, without being asked."""
+    case, output = tmp_path / "far.toml", str(tmp_path / "far.nc")
+    starts = "\n".join(
+        f'[[initial]]\nlabel = "s{phi}"\nkind = "state"\nstate = {{ phi = {phi} }}'
+        for phi in (0.01, 0.3, 0.4)
+    )
+    history = '[[analysis]]\nkind = "history"\nt_end = 0.1\nsample = 0.01'
+    case.write_text(f'schema = 1\n[model]\nname = "pin-on-disc"\n{starts}\n{history}\n')
+    assert fiv(["run", str(case), "-o", output, "--workers", "1"]) == 0
+    remark = "phi passes 0.25 rad at 2 of 3 points, though the equations of the model take it as"
+    assert f"  WARNING: {remark}" in capsys.readouterr().err
+    assert fiv(["show", output]) == 0
+    assert f"  {remark}" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(("going_on", "told"), [(True, "itself ended there"), (False, "go-on")])
 def test_a_chain_that_goes_on_in_any_case_is_not_told_to(going_on: bool, told: str) -> None:
     found = {"classes": {"periodic": 1}, "reasons": {"contact_lost": 1}, "said": {}, "still": ()}
-    counted = {"found": (), "asked": 2, "open": 0, "filled": 0, "not_reached": 3, "beyond": ""}
+    counted = {"found": (), "asked": 2, "open": 0, "filled": 0, "not_reached": 3, "beyond": ()}
     answer = Answer("a", "response", **found, **counted, going_on=going_on)
     warning = list(answer.lines())[-1]
     assert warning.startswith("  WARNING: 3 points of a lie behind") and told in warning

@@ -166,5 +166,5 @@ def test_where_branches_begin_and_end_is_told(
         assert [row["cycle_end_direction"] for row in rows] == [-1, 1]
         assert {row["cycle_end_goes_on"] for row in rows} == {"no"}
         assert [row["cycle_end_kind"] for row in rows] == ["bracket", "grazing"]
-    assert fiv(["check", str(case), "--set", "model.parameters.v=9.0"]) == 0
-    assert "own 9.0, outside it: no branch is followed" in capsys.readouterr().out
+    assert fiv(["check", str(case), "--set", "model.parameters.v=9.0"]) == 3
+    assert "from v = 9.0, the case's own, which lies outside" in capsys.readouterr().err

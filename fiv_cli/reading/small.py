@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import functools
+import operator
+from collections.abc import Container, Iterable, Iterator, Mapping
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
+import numpy as np
+from numpy.typing import NDArray
 
 from fiv_cli.models import get_model
 from fiv_cli.models.base import State
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def passing(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
@@ -20,22 +26,44 @@ def passing(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
 def lines(found: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """For people."""
     return [
-        f"  {name} passes {facts['small']:g} {facts['units']} at {facts['points']} of "
+        f"{name} passes {facts['small']:g} {facts['units']} at {facts['points']} of "
         f"{facts['of']} points, though the equations of the model take it as small"
         for name, facts in found.items()
     ]
 
 
+def passing_in(
+    model: str, blocks: Iterable[tuple[NDArray[np.intp], Mapping[str, NDArray[Any]]]], size: int
+) -> dict[str, dict[str, Any]]:
+    """The same of what a run has stored: for each block the points, less than 0 where none is."""
+    parts = list(blocks)
+    counts = {
+        state: sum(_count(values, positions >= 0, state) for positions, values in parts)
+        for state in small_states(model)
+    }
+    return {
+        state.name: {"small": state.small, "units": state.unit, "points": count, "of": size}
+        for state, count in counts.items()
+        if count
+    }
+
+
+def _count(values: Mapping[str, NDArray[Any]], known: NDArray[np.bool_], state: State) -> int:
+    passed = np.zeros(known.size, bool)
+    for name in _ends(state.name, values):
+        passed |= (np.abs(values[name]).reshape(known.size, -1) > state.small).any(axis=1)
+    return int((passed & known).sum())
+
+
 def _each(dataset: xr.Dataset) -> Iterator[tuple[str, dict[str, Any]]]:
-    for state in _small_states(str(dataset.attrs.get("model", ""))):
-        reached = _greatest(dataset, state.name)
-        if reached is not None:
-            count = int((reached > state.small).sum())
-            facts = {"small": state.small, "units": state.unit, "points": count}
-            yield state.name, {**facts, "of": reached.size}
+    for state in small_states(str(dataset.attrs.get("model", ""))):
+        passed = _passed(dataset, state)
+        if passed is not None:
+            facts = {"small": state.small, "units": state.unit, "points": int(passed.sum())}
+            yield state.name, {**facts, "of": passed.size}
 
 
-def _small_states(model: str) -> list[State]:
+def small_states(model: str) -> list[State]:
     """The states that a model takes as small; none of a model that is not here."""
     try:
         known = get_model(model)
@@ -44,11 +72,16 @@ def _small_states(model: str) -> list[State]:
     return [state for state in known.states(known.default_options()) if isfinite(state.small)]
 
 
-def _greatest(dataset: xr.Dataset, name: str) -> xr.DataArray | None:
-    """The greatest distance of a state from 0 at each point; None where no motion tells it."""
-    ends = [one for one in (f"{name}_min", f"{name}_max", name) if one in dataset.data_vars]
-    if not ends:
-        return None
-    own = [dim for dim in dataset[ends[0]].dims if dim not in dataset["status"].dims]
-    sizes: list[xr.DataArray] = [abs(dataset[one]).max(own) for one in ends]
-    return xr.concat(sizes, "end").max("end")
+def _passed(dataset: xr.Dataset, state: State) -> xr.DataArray | None:
+    """At which points a motion passes what is small; None where no motion tells it."""
+    ends = _ends(state.name, dataset.data_vars)
+    own = (
+        [dim for dim in dataset[ends[0]].dims if dim not in dataset["status"].dims] if ends else []
+    )
+    masks = [(abs(dataset[one]) > state.small).any(own) for one in ends]
+    return functools.reduce(operator.or_, masks) if masks else None
+
+
+def _ends(name: str, known: Container[Any]) -> list[str]:
+    """The variables that tell how far a state goes."""
+    return [one for one in (f"{name}_min", f"{name}_max", name) if one in known]

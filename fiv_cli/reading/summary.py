@@ -257,7 +257,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *over_starts.lines(part["over_starts"]),
         *_range_lines(part["ranges"], _at_edges(part["counts"])),
         *([_impact_line(part["into_impacts"])] if "into_impacts" in part else []),
-        *small.lines(part["beyond_small"]),
+        *(f"  {line}" for line in small.lines(part["beyond_small"])),
         *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
         *([f"  branches begin at {part['branches_begin']}"] if "branches_begin" in part else []),
         *each_point.lines_of_ends(part.get("branch_ends", ()), _units(part)),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.variables import SLIP_BEYOND
 from fiv_cli.flags import ATTRACTOR, REASON, STATUS, TABLES, advice
+from fiv_cli.reading import small
 
 if TYPE_CHECKING:
     from fiv_cli.case.case import StartSpec
@@ -49,7 +50,8 @@ class Answer:
     filled : points whose class is filled in, which are not counted
     not_reached : points behind the end of a chain
     going_on : whether every chain carries any motion on
-    beyond : points whose friction was not measured, in words; empty where there are none
+    beyond : points whose friction was not measured, and those that pass what their equations take
+        as small, in words
     still : at which end of a bracket what was followed has not ended, in words
     """
 
@@ -64,7 +66,7 @@ class Answer:
     filled: int
     not_reached: int
     going_on: bool
-    beyond: str
+    beyond: tuple[str, ...]
     still: tuple[str, ...]
 
     def lines(self, reasons: bool = True) -> Iterator[str]:
@@ -79,8 +81,7 @@ class Answer:
             yield from (f"    {remark}" for remark in self.still)
         if 2 * self.open > self.asked:
             yield f"  WARNING: {self.open} of {self.asked} points of {self.name} have no answer"
-        if self.beyond:
-            yield f"  WARNING: {self.beyond}"
+        yield from (f"  WARNING: {remark}" for remark in self.beyond)
         if self.not_reached:
             yield (
                 f"  WARNING: {self.not_reached} points of {self.name} lie behind the end of what "
@@ -126,7 +127,7 @@ def _answer(journal: Journal, index: int) -> Answer:
         filled=0 if record.stage is None else int(np.count_nonzero(record.stage.filled)),
         not_reached=int(behind.sum()),
         going_on=all(start.on_loss == "go-on" for start in _followed(journal)),
-        beyond=_beyond(journal, index),
+        beyond=(*_beyond_measured(journal, index), *_beyond_small(journal, index)),
         still=tuple(_still(journal, index)),
     )
 
@@ -180,7 +181,14 @@ def _still(journal: Journal, index: int) -> list[str]:
     return still(settings["of"], settings["follow"], classes, classes["n_crossings"])
 
 
-def _beyond(journal: Journal, index: int) -> str:
+def _beyond_small(journal: Journal, index: int) -> list[str]:
+    """How many points pass what the equations of the model take as small."""
+    blocks = ((positions, block.values) for positions, block in journal.blocks(index))
+    size = journal.plan.analyses[index].size
+    return small.lines(small.passing_in(journal.plan.case.model, blocks, size))
+
+
+def _beyond_measured(journal: Journal, index: int) -> Iterator[str]:
     """How many points slip faster than their law is known, and where fastest; or nothing."""
     analysis = journal.plan.analyses[index]
     reach, slips = analysis.layout.reach, np.full(analysis.size, np.nan)
@@ -190,14 +198,13 @@ def _beyond(journal: Journal, index: int) -> str:
             if found is not None:
                 slips[positions[some]] = found[some]
     count = int(np.isfinite(slips).sum())
-    if count == 0:
-        return ""
-    fastest = int(np.nanargmax(slips))
-    return (
-        f"{count} of {analysis.size} points of {analysis.layout.name} slip faster than friction "
-        f"was measured, {reach:g} m/s, the fastest at {slips[fastest]:.3g} m/s "
-        f"(at {analysis.named(fastest)}); there it is that of the last row"
-    )
+    if count:
+        fastest = int(np.nanargmax(slips))
+        yield (
+            f"{count} of {analysis.size} points of {analysis.layout.name} slip faster than "
+            f"friction was measured, {reach:g} m/s, the fastest at {slips[fastest]:.3g} m/s "
+            f"(at {analysis.named(fastest)}); there it is that of the last row"
+        )
 
 
 def _counts(codes: NDArray[np.int8], names: dict[int, str], but: str = "") -> dict[str, int]:

@@ -490,10 +490,7 @@ def _varied(layout: Layout) -> list[str]:
     followers = f", and with it {', '.join(varied.followers)}" if varied.followers else ""
     text = f"    {varied.name} is varied from {bracket[0]!r} to {bracket[1]!r}{unit}{followers}"
     if varied.name in layout.fixed:
-        value = layout.fixed[varied.name]
-        inside = bracket[0] <= value <= bracket[1]
-        outside = "" if inside else ", outside it: no branch is followed"
-        return [f"{text}, both ways from the case's own {value!r}{outside}"]
+        return [f"{text}, both ways from the case's own {layout.fixed[varied.name]!r}"]
     if "scan" not in settings:
         return [text]
     width = f"{settings['width'] * (bracket[1] - bracket[0]):g}{unit}"
