@@ -91,7 +91,12 @@ def test_what_is_no_toml_is_shown_with_what_to_write(
     ("old", "new", "advice"),
     [
         ("30 N", "30 lbf", "unknown unit 'lbf'; it may be in N, nN, uN, mN, cN, kN, MN, GN\n"),
-        ("30 N", "3*mu", "unknown unit '*mu': a text is a number and its unit, no formula; it may"),
+        (
+            "30 N",
+            "3*mu",
+            "unknown unit '*mu': a text is a number and its unit, no formula (axes that",
+        ),
+        ("30 N", "N*mu", 'a unit, such as "2.5 N": no formula (axes that advance together: zip'),
         ("30 N", "30 mm", "does not fit 'N'; it may be in N,"),
         ("30 N", "30,5 N", "decimals stand behind a point"),
         ("0.5", '"3 knots"', "it may be in rad s-1, Hz,"),

@@ -102,17 +102,20 @@ UNITS: dict[str, Unit] = {
 } | _PLAIN
 
 
+_FORMULA = re.compile(r"[*/+(]")
+_NO = (
+    "no formula (axes that advance together: zip in [sweep]; a parameter that follows from others: "
+    "a model of your own, fiv new-model)"
+)
+
+
 def parse_unit(text: str) -> Unit:
     """The unit that `text` names; ValueError when it names none."""
     unit = Unit(_ONE)
     for sign, factor in _factors(text.translate(_SUPERSCRIPTS)):
         match = _FACTOR.fullmatch(factor)
         if match is None or match[1] not in UNITS:
-            told = (
-                ""
-                if text.strip()[:1].isalpha()
-                else ": a text is a number and its unit, no formula"
-            )
+            told = "" if text.strip()[:1].isalpha() else f": a text is a number and its unit, {_NO}"
             raise ValueError(f"unknown unit {text!r}{told}")
         unit = unit * UNITS[match[1]] ** (sign * int(match[2] or 1))
     return unit
@@ -179,7 +182,8 @@ def _split(text: str, unit: str) -> tuple[Fraction, str]:
     match = _NUMBER.fullmatch(text)
     if match is None:
         example = "2.5" if unit == "1" else f"2.5 {unit}"
-        raise ValueError(f'{text!r} is not a number with a unit, such as "{example}"')
+        told = f": {_NO}" if _FORMULA.search(text) else ""
+        raise ValueError(f'{text!r} is not a number with a unit, such as "{example}"{told}')
     if match[2].startswith(","):
         raise ValueError(f"{text!r} has a comma; decimals stand behind a point")
     _refuse_absurd(match[1])

@@ -124,12 +124,13 @@ def _end(side: str, varied: Varied) -> list[Variable]:
     name, unit = f"cycle_{side}", varied.unit
     return [
         Variable(
-            name, unit, f"{side} {varied.name} of the branch", headline=int(side == "highest")
+            name, unit, f"{side} {varied.name} of the branch", headline=int(side == "highest"),
+            comment="of this branch; beyond it there may be another",
         ),
         Variable(f"{name}_width", unit, "half the bracket that it was bisected to"),
         Variable(f"{name}_error", unit, _OFF, comment=_CYCLES_AGAIN),
         classes(f"{name}_kind", "what is there", of="cycle_end"),
-    ]
+    ]  # fmt: skip
 
 
 def _stable_end(side: str, varied: Varied) -> list[Variable]:
