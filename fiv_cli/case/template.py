@@ -25,8 +25,9 @@ from fiv_cli.notation.names import listed
 
 # Parameters worth a first sweep where no motion is followed, the best first.
 _SWEPT_FIRST = ("mu_k", "mu_0", "F0", "v", "Omega")
+_AT_REST = ("equilibrium", "eigenvalues", "critical")
 _CLAIMED = ("periodic", "stable", "to_unstable")
-_POINTS = 7
+_POINTS, _SMOOTH = 7, 41  # of an axis: where motions are followed, and where the points are cheap
 _WINDOWS = 40.0  # over a resolution: how long a drive slows down, ten windows of a spectrogram
 _COMMENT_COLUMN = 34
 _HOW_TO_READ = (
@@ -206,7 +207,8 @@ class _Template:
     def over(self, axis: Parameter, comment: str) -> str:
         """The line of an axis."""
         low, high = self.range_of(axis)
-        line = f"{axis.name} = {{ start = {low!r}, stop = {high!r}, num = {_POINTS} }}"
+        points = _SMOOTH if self.analysis.kind in _AT_REST else _POINTS
+        line = f"{axis.name} = {{ start = {low!r}, stop = {high!r}, num = {points} }}"
         return _with_comment(line, comment)
 
     def range_of(self, parameter: Parameter) -> tuple[float, float]:
