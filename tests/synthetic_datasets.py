@@ -262,6 +262,7 @@ def boundaries():
             "status": statuses(("N0",), ["ok"] * 3),
             "boundary": (dims, np.array([[4.0], [7.0], [10.0]]), place),
             "boundary_width": (dims, [[0.5], [0.5], [2.0]], rate | {"long_name": "width"}),
+            "boundary_error": (dims, [[0.1], [0.2], [np.nan]], rate),
             "class_below": flags(dims, [["periodic"]] * 3, ATTRACTORS),
             "class_above": flags(dims, above, ATTRACTORS),
         },

@@ -866,7 +866,7 @@ def test_where_colours_tell_another_axis_dashes_tell_the_sorts_of_crossings():
 def test_changes_between_motions_of_one_class_are_told_apart_by_their_answers():
     """To a question about a number; elsewhere by their classes."""
     answers, dims = ("no", "yes"), ("N0", "crossing")
-    dataset = data.boundaries()
+    dataset = data.boundaries().drop_vars("boundary_error")
     dataset["answer_below"] = data.flags(dims, [["no"]] * 3, answers)
     dataset["answer_above"] = data.flags(dims, [["yes"]] * 3, answers)
     (ax,) = draw(dataset, figure("curve", variable="boundary")).axes
@@ -925,11 +925,14 @@ def test_a_curve_of_boundaries_says_what_lies_below_and_above_and_how_well_it_is
     assert legend_texts(ax) == [
         REST_ABOVE,
         UNDECIDED_ABOVE,
+        "error not known",
     ]
     np.testing.assert_array_equal(marks(ax, REST_ABOVE), [[20, 4], [30, 7]])
-    pieces = [np.array(piece) for bar in ax.collections for piece in bar.get_segments()]
-    heights = [np.ptp(piece[:, 1]) for piece in pieces if len(piece)]
-    assert sorted(h for h in heights if np.isfinite(h)) == pytest.approx([0.5, 0.5, 2.0])
+    (bars,) = (bars.get_segments() for bars in ax.collections)
+    ends = [[[20, 3.9], [20, 4.1]], [[30, 6.8], [30, 7.2]]]
+    np.testing.assert_allclose(bars, ends)
+    unknown = marks(ax, f"_{UNDECIDED_ABOVE}, error not known")
+    np.testing.assert_array_equal(unknown, [[40, 10]])
 
 
 def test_a_curve_runs_along_the_longest_axis_unless_the_figure_says_otherwise():
@@ -1242,6 +1245,19 @@ def test_a_curve_of_shares_of_random_starts_has_their_standard_error(kind, bars)
     assert len(drawn) == bars == 2 * ax.get_ylabel().count(" ± standard error")
     for (low, high), p in zip(drawn, share, strict=False):
         assert high - low == pytest.approx(2.0 * np.sqrt(p * (1.0 - p) / 200))
+
+
+@pytest.mark.parametrize("name", ["L_s_error", "L_s_standard_error"])
+def test_a_value_that_has_an_error_of_its_own_has_a_bar(name):
+    found = data.bifurcation()
+    found[name] = 0.1 * found["L_s"].where(found["L_s"] > 0.0)
+    (ax,) = draw(found, figure("curve", variable="L_s")).axes
+    (told,) = {ax.get_ylabel().endswith(" ± standard error"), name == "L_s_standard_error"}
+    bars = {line[0, 0]: line[:, 1] for line in ax.collections[1].get_segments() if len(line)}
+    far = found["L_s"].sel(initial="far").dropna("Omega")
+    assert bars.keys() == {*far["Omega"].values}
+    np.testing.assert_allclose([*bars.values()], np.outer(far, [0.9, 1.1]))
+    assert told == ("error not known" not in legend_texts(ax))
 
 
 @pytest.mark.parametrize(("kind", "told"), [("random", 1), ("table", 0)])

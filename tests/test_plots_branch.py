@@ -78,6 +78,10 @@ def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
     grazing = [line for line in drawn if line.get_marker() == "X"]
     highest = np.repeat(branches["cycle_highest"].values, 2)
     np.testing.assert_array_equal([line.get_xdata()[0] for line in grazing], highest)
+    bars = [bars for bars in ax.collections if "grazing, error bar" in bars.get_label()]
+    ends = np.array([one.get_segments()[0][:, 0] for one in bars])
+    error = branches["cycle_highest_error"].values
+    np.testing.assert_allclose(ends, branches["cycle_highest"].values + error * [-1.0, 1.0])
     entries = [text.get_text() for text in ax.get_legend().get_texts()]
     assert entries[2:] == ["stable", "unstable", "grazing", "equilibrium"]
     assert "least and greatest" in ax.get_ylabel()

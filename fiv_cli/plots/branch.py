@@ -96,11 +96,14 @@ def draw_marks(
 ) -> None:
     """A mark at each change and end of a branch, at the heights of the nearest of its cycles."""
     value, heights = _heights(dataset, index, at_section)
-    for place, at, kind in _marks(dataset, index, value):
+    for place, at, error, kind in _marks(dataset, index, value):
         mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, kind.replace("_", " "))
         for height in heights[:, place]:
             ax.plot(at, height, mark, color=colour, mec="white", mew=0.4, ms=size, zorder=4.5,
                     label=told)  # fmt: skip
+        if error > 0.0:
+            ends = at - error, at + error
+            ax.hlines(heights[:, place], *ends, colour, lw=0.8, label=f"{told}, error bar")
 
 
 def is_along(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
@@ -204,14 +207,13 @@ def _rows(dataset: xr.Dataset, name: str, index: Mapping[str, int]) -> slice:
 
 def _marks(
     dataset: xr.Dataset, index: Mapping[str, int], value: np.ndarray
-) -> Iterator[tuple[int, float, str]]:
-    """Nearest point of the branch, value of the parameter and kind of every change and end."""
+) -> Iterator[tuple[int, float, float, str]]:
+    """Nearest point of the branch, value of the parameter, its error and kind of every change."""
     row = _rows(dataset, "cycle_end", index)
-    for at, kind in zip(
-        dataset["cycle_end"].values[row], class_names(dataset["cycle_end_kind"])[row], strict=True
-    ):
+    at, error = (dataset[name].values[row].tolist() for name in ("cycle_end", "cycle_end_error"))
+    for one, off, kind in zip(at, error, class_names(dataset["cycle_end_kind"])[row], strict=True):
         if kind not in UNMARKED:
-            yield int(np.argmin(np.abs(value - at))), float(at), str(kind)
+            yield int(np.argmin(np.abs(value - one))), one, off, str(kind)
 
 
 def _name_lines(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:

@@ -15,14 +15,15 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, points, style
+from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     ends_of,
+    error_of,
     flag_names,
     headlines,
     numbers,
     unknown_points,
-    width_of,
 )
 from fiv_cli.reading.shares import ERROR
 
@@ -35,6 +36,7 @@ CLASS_SHIFT = 0.06
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
+CAP = 2.0  # half the width of the ends of error bars, pt
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
 UNSURE = {
     "value of an undecided motion": HOLLOW,
@@ -42,6 +44,7 @@ UNSURE = {
     "undecided points: at least": {"marker": "^", "ms": 4, "ls": "none"},
     "undecided points: at most": {"marker": "v", "ms": 4, "ls": "none"},
     "undecided points: nothing known": {"marker": "x", "ms": 5, "ls": "none"},
+    "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
 SMALL = 0.02  # ... or of all values
@@ -88,7 +91,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
         _panel(ax, [dataset[name] for name in own], lines, numeric)
-        if any(curve.width is not None for curve, _ in lines) and ERROR in dataset:
+        if any(_standard_error(name) in dataset for name in own):
             ax.set_ylabel(f"{ax.get_ylabel()} ± standard error")
     told = "undecided" if names == ["attractor"] else ""
     points.dress(axes, layers, settings, told)
@@ -142,9 +145,13 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
     _plot_unsure(ax, curve, shift, entry)
-    if curve.width is not None and np.nan_to_num(curve.width).any():
-        bars = ax.errorbar(curve.x, y, curve.width / 2, fmt="none", ecolor=entry.colour, lw=0.8)
-        bars.lines[2][0].set_label(points.unlisted(entry.label, "error bar"))
+    off = np.where(np.isfinite(curve.error), curve.error, np.nan)
+    if np.nan_to_num(off).any():
+        bars = ax.errorbar(curve.x, y, off, fmt="none", ecolor=entry.colour, lw=0.8, capsize=CAP)
+        _, caps, (lengths,) = bars.lines
+        lengths.set_label(points.unlisted(entry.label, "error bar"))
+        for cap in caps:
+            cap.set_label(DECORATION)
 
 
 def _plot_unsure(ax: Axes, curve: _Curve, shift: float, entry: points.Entry) -> None:
@@ -152,12 +159,14 @@ def _plot_unsure(ax: Axes, curve: _Curve, shift: float, entry: points.Entry) -> 
     low, high = curve.ends
     has_low, has_high = (curve.is_wide & np.isfinite(end) for end in curve.ends)
     bounded, unknown = has_low & has_high, curve.is_wide & ~has_low & ~has_high
-    hollow, bar, least, greatest, nothing = UNSURE
+    hollow, bar, least, greatest, nothing, far = UNSURE
+    known = ~curve.is_wide & ~curve.open
     for told, at, y in (
         (hollow, curve.open, curve.y + shift),
         (least, has_low & ~has_high, low),
         (greatest, has_high & ~has_low, high),
         (nothing, unknown, 0.0 * curve.x),
+        (far, known & np.isinf(curve.error), curve.y + shift),
     ):
         if np.isfinite(y[at]).any():
             label = points.unlisted(entry.label, told)
@@ -189,10 +198,10 @@ def variables_of(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
 class _Curve:
     """One line: the words for its place, and for its variable if several share the panel.
 
-    Its points have a width. `open` are those whose class is undecided: their numbers are those of
-    some stretch of time. `ends` are the least and the greatest that each may be. `jumps` are the
-    places at which another class begins. `sort` is what `dash` and `mark` mean, where colours mean
-    another thing.
+    `open` are the points whose class is undecided: their numbers are those of some stretch of time.
+    `ends` are the least and the greatest that each may be, `error` is how far it may be off:
+    infinite where that is not known. `jumps` are the places at which another class begins. `sort`
+    is what `dash` and `mark` mean, where colours mean another thing.
     """
 
     label: str
@@ -200,7 +209,7 @@ class _Curve:
     y: np.ndarray
     open: np.ndarray
     ends: tuple[np.ndarray, np.ndarray]
-    width: np.ndarray | None = None
+    error: np.ndarray
     jumps: Sequence[int] = ()
     dash: Any = "-"
     mark: Mapping[str, Any] = field(default_factory=lambda: DOT)
@@ -226,19 +235,18 @@ def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settin
     x, words = points.positions(axis), labels.axis_label(dataset[name]) if named else ""
     if "crossing" in array.dims and _sorting(dataset):
         return _by_sort(layer, array, words, x, dim)
-    error = dataset.get(ERROR) if name == "share" else None
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
+    errors = _errors(dataset, array)
     curves = []
     for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
-        y, open_, told, *ends = (
+        y, open_, told, error, *ends = (
             one.isel(line.index).values
-            for one in (array, unsure & array.notnull(), classes, *ends_of(dataset, name))
+            for one in (array, unsure & array.notnull(), classes, errors, *ends_of(dataset, name))
         )
         jumps = (np.flatnonzero(told[1:] != told[:-1]) + 1).tolist()
         label = points.joined(words, layer.label, line.label)
-        width = None if error is None else 2.0 * error.isel(line.index).values
-        curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), width, jumps))
+        curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps))
     return curves
 
 
@@ -247,7 +255,7 @@ def _by_sort(
 ) -> list[_Curve]:
     """Lines of crossings of one sort: a colour for each or, where colours tell lines, a dash."""
     dataset = layer.dataset
-    sorts, widths, modes = _sorts(dataset), _widths(dataset, array), _modes(dataset, array)
+    sorts, errors, modes = _sorts(dataset), _errors(dataset, array), _modes(dataset, array)
     along = [str(d) for d in array.dims if d != "crossing"]
     curves = []
     for line in points.lines(dataset, [dim], along):
@@ -255,14 +263,14 @@ def _by_sort(
         for number, (sort, mask) in enumerate(sorts.items() if len(sorts) > 1 else [("", True)]):
             dash = style.dash(number, len(sorts))
             mark = dict(zip(("marker", "ms"), SORT_MARKS[number % len(SORT_MARKS)], strict=True))
-            kept, known, mode = (
+            kept, error, mode = (
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values
-                for part in (array, widths, modes)
+                for part in (array, errors, modes)
             )
             for places in _joined(x, kept, mode):
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
-                found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), known[at])
+                found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), error[at])
                 dashed = {"dash": dash, "mark": mark, "sort": sort} if label else {}
                 curves.append(_Curve(label or sort, *found, **dashed))
     return curves
@@ -350,10 +358,20 @@ def _modes(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
     return dataset["crossing_mode"] if "crossing_mode" in dataset else array * 0.0
 
 
-def _widths(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
-    """How well each crossing is known; 0 for a variable that does not say."""
-    width = width_of(dataset, str(array.name))
-    return array * 0.0 if width is None else numbers(width)
+def _errors(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
+    """How far each value may be off, infinite where it is not known; 0 for one that does not say.
+
+    Of what is a mean of a sample it is the standard error.
+    """
+    name = str(array.name)
+    if error_of(name) in dataset:
+        return numbers(dataset[error_of(name)]).fillna(np.inf).broadcast_like(array)
+    return dataset.get(_standard_error(name), 0.0 * array).broadcast_like(array)
+
+
+def _standard_error(name: str) -> str:
+    """What says how far the mean of a sample may be off, in a dataset that has it."""
+    return ERROR if name == "share" else f"{name}_{ERROR}"
 
 
 def _sorting(dataset: xr.Dataset) -> tuple[str, str] | None:

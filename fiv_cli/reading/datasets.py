@@ -115,11 +115,6 @@ def headlines(dataset: xr.Dataset) -> list[str]:
     return [variable.name for variable in sorted(shown, key=lambda variable: variable.headline)]
 
 
-def width_of(dataset: xr.Dataset, name: str) -> xr.DataArray | None:
-    """The width of the interval in which each value of a variable lies, where one is known."""
-    return dataset.get(named(name).width)
-
-
 def error_of(name: str) -> str:
     """What says how far a variable may be off, in a dataset that has it."""
     return f"{named(name).width.removesuffix('_width') or name}_error"
