@@ -976,6 +976,23 @@ def test_scales_and_limits_follow_the_figure():
     assert ax.get_ylim() == (0, 1)
 
 
+@pytest.mark.parametrize("log", ["x", "y", True])
+def test_what_has_no_logarithm_is_counted_and_no_limit_reaches_for_it(log, stored):
+    """Of speeds from -1 to 3.5 rad/s; L_s is zero at rest."""
+    dataset = data.bifurcation()
+    dataset["Omega"] = dataset["Omega"] - 1.5
+    drawn = draw(dataset, figure("curve", variable="L_s", log=log))
+    (ax,) = drawn.axes
+    save(drawn, "log.png")
+    told = [points for name in ("near", "far", "_far, value of an undecided motion")
+            for points in marks(ax, name) if np.isfinite(points).all()]  # fmt: skip
+    x, y = (of.values.ravel() for of in xr.broadcast(dataset["Omega"], dataset["L_s"]))
+    shown = ((x > 0.0) | (log == "y")) & ((y > 0.0) | (log == "x")) & np.isfinite(y)
+    assert sorted(map(tuple, told)) == sorted(zip(x[shown], y[shown], strict=True))
+    assert f"not above 0, not shown: {np.isfinite(y).sum() - shown.sum()}" in legend_texts(ax)
+    assert ax.dataLim.y0 == y[shown].min()
+
+
 # --- map ---------------------------------------------------------------------------------------
 def test_a_map_has_a_panel_for_each_start_and_a_cell_for_each_point():
     dataset = data.stability_map()

@@ -44,8 +44,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for ax, name in zip(axes, PARTS, strict=True):
         _panel(ax, dataset, name, axis)
         ax.set_ylabel(labels.axis_label(dataset[name]))
-        points.reach(ax, axis)
         points.scale(ax, settings if ax is axes[0] else points.of_further_panels(settings))
+        points.reach(ax, axis)
         _mark_mergers(ax, dataset, axis)
     axes[0].axhline(0.0, color=style.BLACK, lw=0.8, label=DECORATION)
     points.dress_axis(axes[1], axis, "x")

@@ -15,6 +15,7 @@ from fiv_cli.case.overrides import parse_override
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, style
+from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import flag_names, is_class
 
@@ -165,19 +166,38 @@ def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
 
 def reach(ax: Axes, axis: xr.DataArray) -> None:
     """Let the abscissa reach over the whole grid, also where there is nothing to draw."""
-    places = positions(axis)
+    places = _of_scale(ax, positions(axis))
     ax.update_datalim([(places.min(), 0.0), (places.max(), 0.0)], updatey=False)
     ax.autoscale_view()
 
 
+def _of_scale(ax: Axes, places: np.ndarray) -> np.ndarray:
+    """Those of some places that the abscissa, where it is logarithmic, has."""
+    return places[places > 0.0] if ax.get_xscale() == "log" else places
+
+
 def scale(ax: Axes, settings: Settings) -> None:
-    """Logarithmic axes and limits, as the figure asks."""
+    """Logarithmic axes and limits, as the figure asks; of what is drawn later, limits alone."""
     log = settings.get("log", "")
+    logarithmic = [which for which in "xy" if log is True or which in str(log)]
+    _leave_out(ax, ["xy".index(which) for which in logarithmic])
+    ax.set(**{f"{which}scale": "log" for which in logarithmic})
     for which, limits in (("x", settings.get("xlim")), ("y", settings.get("ylim"))):
-        if log is True or which in str(log):
-            ax.set(**{f"{which}scale": "log"})
         if limits is not None:
             ax.set(**{f"{which}lim": [in_si(bound) for bound in limits]})
+
+
+def _leave_out(ax: Axes, logarithmic: Sequence[int]) -> None:
+    """Take the points that have no logarithm out of lines, and out of the limits; say how many."""
+    count = 0
+    for line in [line for line in ax.lines if line.get_transform() == ax.transData]:
+        xy = np.array(line.get_xydata(), float)
+        out = np.isfinite(xy).all(axis=1) & (xy[:, logarithmic] <= 0.0).any(axis=1)
+        line.set_data(*np.where(out[:, None], np.nan, xy).T)
+        count += int(out.sum()) * (line.get_label() != DECORATION)
+    if count:
+        ax.relim()
+        ax.plot([], [], ls="none", label=f"not above 0, not shown: {count}")
 
 
 def of_further_panels(settings: Settings) -> Settings:
@@ -341,8 +361,8 @@ def dress(
     axis = abscissa(layers[0].dataset, settings)
     dress_axis(axes[-1], axis, "x")
     for ax in axes:
-        reach(ax, axis)
         scale(ax, settings if ax is axes[0] else of_further_panels(settings))
+        reach(ax, axis)
     mark_gaps(axes, layers, settings, told)
     legend(axes)
 
@@ -376,7 +396,8 @@ def mark_gaps(
     own colour.
     """
     own, ax = colours(axes), axes[-1]
-    rows = _gap_rows(layers, settings, told)
+    found = _gap_rows(layers, settings, told)
+    rows = {row: here for row, x in found.items() if (here := _of_scale(ax, x)).size}
     for level, ((name, whose), x) in enumerate(rows.items()):
         marker, grey = GAP_MARKS[name]
         colour = own.get(whose, grey)

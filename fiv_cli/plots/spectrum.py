@@ -136,6 +136,8 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     array = numbers(dataset[STEADY])
     lines = points.lines(dataset, ["frequency"], [str(dim) for dim in array.dims])
     colours = style.line_colours(len(lines))
+    ax.set_xlim(0.0, dataset["frequency"].values[-1] * factor_of(settings))
+    points.scale(ax, settings)  # before the lines are drawn: the foot of an upright is no value
     for number, (line, colour) in enumerate(zip(lines, colours, strict=True)):
         frequency, height = _shape(dataset.isel(line.index))
         width = 0.8 * (1 + (len(lines) - 1 - number) / len(lines))  # one is seen behind another
@@ -147,8 +149,6 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         ax.axvline(frequency, ls="--", lw=0.9, color=style.BLACK, label=label, zorder=1)
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(labels.axis_label(dataset[STEADY]))
-    ax.set_xlim(0.0, dataset["frequency"].values[-1] * factor_of(settings))
-    points.scale(ax, settings)
     points.legend([ax])
     return figure
 
