@@ -156,6 +156,7 @@ def basin(count=200, speeds=(1.0, 2.0)):
     attractor = np.where(inside, "equilibrium", "periodic").astype(object)
     coords = axes(Omega=speeds, initial=[f"any-{number:03d}" for number in range(count)])
     dataset = response(attractor, np.zeros(attractor.shape), coords)
+    dataset.attrs["starts_json"] = json.dumps({"any": "random"})
     dataset["initial_state"] = ((*coords, "state"), starts, {"units": "1"})
     units = ("state", ["m", "m s-1"])
     return dataset.assign_coords(state=["x", "x_dot"], state_units=units)

@@ -97,10 +97,8 @@ def test_a_scatter_of_starts_and_the_phase_portrait_of_a_motion():
     starts = found["initial_state"].values.reshape(-1, 2)
     told = np.array([(row["x"], row["y"]) for row in rows], float)
     assert sorted(told.tolist()) == sorted(starts.tolist())
-    assert [*dict.fromkeys(row["panel"] for row in rows)] == [
-        "Omega = 1 rad/s",
-        "Omega = 2 rad/s",
-    ]
+    panels = [*dict.fromkeys(row["panel"].partition(" rad/s ")[0] for row in rows)]
+    assert panels == ["Omega = 1", "Omega = 2"]
     rows = table(draw(data.history(labels=("far",)), figure("phase")))
     assert {row["series"].rpartition(", ")[2] for row in rows} >= {"slip+", "stick", "start"}
 

@@ -1227,14 +1227,15 @@ def test_many_basins_fit_a_column_of_a_page():
     drawn = draw(six, figure("basin"), look=look_of("paper", width=84.0))
     drawn.canvas.draw()
     assert drawn.get_figheight() < 240.0 / 25.4
-    boxes = [ax.get_legend().get_window_extent() for ax in drawn.axes]
+    (legend,) = drawn.legends
+    boxes = [ax.title.get_window_extent() for ax in drawn.axes] + [legend.get_window_extent()]
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
     assert all(box.x0 >= 0.0 and box.x1 <= drawn.bbox.x1 for box in boxes)
 
 
 def test_a_class_has_one_mark_in_all_panels_of_a_basin():
     moving, both = (
-        {c.get_label().split()[0]: len(c.get_paths()[0].vertices) for c in ax.collections}
+        {c.get_label(): len(c.get_paths()[0].vertices) for c in ax.collections}
         for ax in draw(data.basin(speeds=(0.0, 1.0)), figure("basin")).axes
     )
     assert len(moving) == 1 and moving["periodic"] == both["periodic"] != both["equilibrium"]
@@ -1242,12 +1243,23 @@ def test_a_class_has_one_mark_in_all_panels_of_a_basin():
 
 def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
     """A circle of radius 2 in a square of side 6: the share is known, the error covers it."""
-    (ax,) = draw(data.basin(speeds=(2.0,)), figure("basin", select={"Omega": 2.0})).axes
-    share, error = (float(w) for w in legend_texts(ax)[0].split()[1::2])
+    drawn = draw(data.basin(speeds=(2.0,)), figure("basin", select={"Omega": 2.0}))
+    shares = drawn.axes[0].get_title().split()
+    share, error = (float(w) for w in shares[1:4:2])
+    assert shares[::4] == ["equilibrium", "periodic"]
+    assert drawn.legends[0].get_title().get_text().endswith("± standard error")
     assert error == pytest.approx(np.sqrt(share * (1 - share) / 200), abs=6e-4)
     assert abs(share - np.pi / 9.0) < 3 * error
     (ax,) = draw(data.basin(speeds=(9.0,)), figure("basin")).axes
-    assert legend_texts(ax) == ["equilibrium (all 200)"]
+    assert ax.get_title() == "equilibrium (all 200)"
+
+
+def test_shares_of_a_lattice_of_starts_have_no_standard_error():
+    lattice = data.basin().assign_attrs(starts_json=json.dumps({"any": "grid"}))
+    drawn = draw(lattice, figure("basin"))
+    assert not [text for text in drawn.findobj(Text) if re.search("±|error", text.get_text())]
+    reached = class_names(lattice["attractor"][0])
+    assert f"periodic {(reached == 'periodic').sum()} of 200" in drawn.axes[0].get_title()
 
 
 @pytest.mark.parametrize(("kind", "bars"), [("random", 2), ("table", 0)])

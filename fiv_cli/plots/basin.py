@@ -1,23 +1,23 @@
 """Basins: the starts of the motions over two of their components, coloured by what they reach.
 
 The share of the starts that reach a class estimates the volume of its basin. Of starts drawn at
-random its standard error is sqrt(p (1 - p) / n) (Menck et al., Nature Physics 9 (2013) 89).
+random, not of others, its standard error is sqrt(p (1 - p) / n) (Menck et al., Nature Physics 9
+(2013) 89).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.transforms import ScaledTranslation
 
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.plots import labels, points, style
 from fiv_cli.plots import map as map_
+from fiv_cli.reading import shares
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
 
 if TYPE_CHECKING:
@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
-ENTRY = 26  # letters of an entry of a legend
-UNDER_LABEL = 3.8  # letters' sizes under a panel: ticks and a label stand between
+SHARE = 26  # letters of a share and its class
 STAR = 60.0  # area of the mark of an equilibrium, in square points
 MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
 
@@ -41,7 +40,7 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """A panel for each value of the other axes; the shares of the classes beside them."""
+    """A panel for each value of the other axes; the shares of the classes above it."""
     dataset = layers[0].dataset
     names = _components(dataset, settings)
     known = is_class(dataset["status"], ("ok", "budget"))
@@ -49,18 +48,19 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     panels = points.lines(dataset, ["initial"], points.grid_dims(dataset))
     map_.refuse_many(panels, dataset["attractor"], ["initial"])
     figure, axes, columns = style.grid_of_panels(
-        len(panels), map_.MOST_COLUMNS, points.title(dataset), ENTRY, sharex=True, sharey=True
+        len(panels), map_.MOST_COLUMNS, points.title(dataset), SHARE, sharex=True, sharey=True
     )
     for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
         _scatter(ax, dataset.isel(panel.index), names)
-        ax.set_title(panel.label)
+        ax.set_title("\n".join(filter(None, (panel.label, *_shares(dataset, panel.index)))))
         ax.set_xlabel(_label(dataset, names[0]))
         ax.tick_params(labelbottom=True)
         ax.set_ylabel(_label(dataset, names[1]) if number % columns == 0 else "")
         points.scale(ax, settings)
-        _name_shares(ax)
     rows = -(-len(panels) // columns)
-    style.make_room(figure, rows * (1 + max(len(ax.collections) for ax in axes)))
+    style.make_room(figure, rows * max(ax.get_title().count("\n") for ax in axes))
+    error = " ± standard error" if _is_sample(dataset) else ""
+    style.legend_below(figure, style.told_in(axes)[0], f"above: shares of the starts{error}")
     return figure
 
 
@@ -107,19 +107,17 @@ def _label(dataset: xr.Dataset, name: str) -> str:
 
 
 def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
-    """The starts of one panel; the legend of the panel has the shares."""
+    """The starts of one panel, and where they rest."""
     x, y = (part[STARTS].sel(state=name).values for name in names)
     reached = class_names(part["attractor"])
-    answered = reached != NOT_COMPUTED
     marks = dict(zip(flag_names(part["attractor"].attrs).values(), MARKS, strict=False))
     table = [name for name in marks if name in reached]
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
     for name, colour in zip(table, style.class_colours(table), strict=True):
         mask = reached == name
-        share = _share(int(mask.sum()), int(answered.sum())) if name != NOT_COMPUTED else ""
         ax.scatter(
             x[mask], y[mask], size, color=colour, marker=marks[name], lw=0.5,
-            zorder=3.0 - mask.mean(), label=f"{name.replace('_', ' ')} {share}".rstrip(),
+            zorder=3.0 - mask.mean(), label=name.replace("_", " "),
             rasterized=len(x) > style.MANY_MARKS,
         )  # fmt: skip
     resting, ends = reached == "equilibrium", [f"{name}_max" for name in names]
@@ -131,21 +129,20 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
         )  # fmt: skip
 
 
-def _name_shares(ax: Axes) -> None:
-    """A legend of the classes and their shares under a panel."""
-    figure = ax.figure.figure
-    down = -UNDER_LABEL * mpl.rcParams["font.size"] / style.POINTS
-    under = ax.transAxes + ScaledTranslation(0.0, down, figure.dpi_scale_trans)
-    legend = ax.legend(
-        loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=under, borderaxespad=0.0,
-        title="share ± standard error", handlelength=1.0,
-    )  # fmt: skip
-    style.even_keys(legend)
+def _shares(dataset: xr.Dataset, index: Mapping[str, int]) -> Iterator[str]:
+    """The share of each class in one panel: ``periodic 0.621 ± 0.034``, ``equilibrium (all 200)``.
+
+    Of starts that are no random sample it is a count: ``periodic 124 of 200``.
+    """
+    reached = class_names(dataset["attractor"].isel(index))
+    names, counts = np.unique(reached[reached != NOT_COMPUTED].astype(str), return_counts=True)
+    total, sample = int(counts.sum()), _is_sample(dataset)
+    for name, count in zip(names.tolist(), counts.tolist(), strict=True):
+        share = count / total
+        told = with_error(share, np.sqrt(share * (1.0 - share) / total))
+        told = told if sample else f"{count} of {total}"
+        yield f"{name.replace('_', ' ')} {f'(all {total})' if count == total else told}"
 
 
-def _share(count: int, total: int) -> str:
-    """A share with its standard error: ``0.621 ± 0.034``; where all are one class, of how many."""
-    if count == total:
-        return f"(all {total})"
-    share = count / total
-    return with_error(share, np.sqrt(share * (1.0 - share) / total))
+def _is_sample(dataset: xr.Dataset) -> bool:
+    return shares.is_sample(dataset, shares.drawn_of(dataset))

@@ -29,6 +29,7 @@ from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
+from matplotlib.textpath import TextPath
 from matplotlib.ticker import AutoLocator
 
 from fiv_cli.errors import StorageError, UsageError
@@ -87,6 +88,7 @@ SIDES: dict[Any, Any] = {
     "center right": "E", "center left": "W", "upper center": "N", "lower center": "S",
     "center": "C",
 }  # fmt: skip
+SAMPLE = "equilibrium 0.870 ± 0.015"
 NARROWER = 1.2  # letters of legends stand where one of a title does
 KEY_LETTERS = 7  # that the key of an entry of a legend takes
 ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
@@ -336,7 +338,7 @@ def clear_legends(figure: Figure) -> bool:
 
     Whether it is below now.
     """
-    legends = [(ax, own) for ax in figure.axes if (own := ax.get_legend()) and _may_move(own)]
+    legends = [(ax, own) for ax in figure.axes if (own := ax.get_legend())]
     if legends:
         figure.draw_without_rendering()  # panels and legends have their sizes then
     hiding = [own for ax, own in legends if not _find_place(ax, own)]
@@ -345,11 +347,6 @@ def clear_legends(figure: Figure) -> bool:
     if hiding:
         legend_below(figure, told_in(figure.axes)[0])
     return bool(hiding)
-
-
-def _may_move(legend: Legend) -> bool:
-    """Whether a legend may stand at any side of its panel: it was not given a place outside."""
-    return legend.get_bbox_to_anchor() is legend.parent.bbox
 
 
 def _find_place(ax: Axes, legend: Legend) -> bool:
@@ -451,15 +448,22 @@ def _rows(ax: Axes) -> int:
 def _room(ax: Axes) -> tuple[int, int]:
     """How many letters there is room for along the sides of a panel."""
     figure, place = ax.figure.figure, ax.get_position()
-    letter = LETTER * _LOOK.get().size / POINTS
+    letter = _letter(_LOOK.get().font) * mpl.rcParams["axes.titlesize"] / POINTS
     sides = place.width * figure.get_figwidth(), place.height * figure.get_figheight()
     return int(sides[0] / letter), int(sides[1] / letter)
 
 
+@cache
+def _letter(font: str) -> float:
+    """Width of a letter of a font, of the letters' size: a page holds more in a narrow one."""
+    path = TextPath((0.0, 0.0), SAMPLE, size=1.0, prop=FontProperties(family=font or None))
+    return float(path.get_extents().width) / len(SAMPLE)
+
+
 def _folded(words: str, most: int) -> str:
-    """Words in lines of at most so many letters, no formula nor equation divided."""
+    """Words in lines of at most so many letters, no formula, equation nor error divided."""
     lines = [""]
-    for word in re.findall(r"(?:\$[^$]*\$|\S)+(?: = \S+)*", words):
+    for word in re.findall(r"(?:\$[^$]*\$|\S)+(?: [=±] \S+)*", words):
         line = f"{lines[-1]} {word}".strip()
         if len(MARKUP.sub("", line)) <= most or not lines[-1]:
             lines[-1] = line

@@ -45,7 +45,7 @@ def with_standard_error(
     """
     if take["what"] != "share" or [*take["over"]] != ["initial"] or take.get("relative_to"):
         return shares
-    if any(str(label).rpartition("-")[0] not in drawn for label in taken_of["initial"].values):
+    if not is_sample(taken_of, drawn):
         return shares
     share, size = shares["share"], taken_of.sizes.get("initial", 1)
     return shares.assign({ERROR: (share * (1.0 - share) / size) ** 0.5})
@@ -55,6 +55,11 @@ def drawn_of(dataset: xr.Dataset) -> list[str]:
     """Labels of the random starts of the case of a dataset; 0.1.0 did not tell them."""
     kinds = json.loads(dataset.attrs.get("starts_json", "{}"))
     return [label for label, kind in kinds.items() if kind == "random"]
+
+
+def is_sample(dataset: xr.Dataset, drawn: Container[str]) -> bool:
+    """Whether all starts of a dataset are random: shares of others have no standard error."""
+    return all(str(label).rpartition("-")[0] in drawn for label in dataset["initial"].values)
 
 
 def _of_classes(reached: xr.DataArray) -> dict[str, dict[str, Share]]:
