@@ -47,6 +47,10 @@ def figure(*lines: str) -> str:
     return BELT + "\n".join(["[[figure]]", *lines]) + "\n"
 
 
+def plane(*lines: str) -> str:
+    return figure('kind = "map"', *lines).replace("v = [0.5, 1.0]", "v = [0.5, 1.0]\nk = [1, 2]")
+
+
 def problem(text: str) -> Problem:
     """The one problem of a case, when it is planned."""
     with pytest.raises(CaseError) as caught:
@@ -74,10 +78,15 @@ def problem(text: str) -> Problem:
         figure('kind = "history"', 'variable = "friction_power"'),
         figure('kind = "curve"', "log = true", "xlim = [0.1, 1]"),
         figure('kind = "curve"', 'log = "y"', "xlim = [0, 1]"),
+        plane('variable = "attractor"', "level = { growth_rate = 0.0 }"),
+        plane("level = { damping_ratio = [0, 0.1] }", "select = { mode = 0 }"),
+        plane('variable = "L_s"', "level = { L_s = 0.1, growth_rate = 0 }"),
+        plane('variable = "attractor"', OF_CLASS, "level = { share = 0.5, growth_rate = 0 }"),
     ],
 )
 def test_what_will_be_there(text: str) -> None:
-    assert make_plan(parse_case(text, "a.toml")).size == 4
+    case = parse_case(text, "a.toml")
+    assert make_plan(case).size == 2 * 2 ** len(case.axes)
 
 
 @pytest.mark.parametrize(
@@ -146,6 +155,16 @@ def test_what_will_be_there(text: str) -> None:
         (figure('kind = "curve"', 'y = "L_S"'), "figure.0.y", "did you mean 'L_s'"),
         (figure('kind = "curve"', "log = true", "xlim = [0, 1]"), "figure.0.xlim", "above 0"),
         (figure('kind = "curve"', 'log = "xz"'), "figure.0.log", "a curve has no shades"),
+        (plane("level = 0.5"), "figure.0.level", "'attractor' holds classes"),
+        (plane("level = { stable = 0.5 }"), "figure.0.level.stable", "have no level"),
+        (plane("level = { growth = 0 }"), "figure.0.level.growth", "here it is 'growth_rate'"),
+        (plane("level = { damping_ratio = 0 }"), "figure.0.level.damping_ratio", "for each mode"),
+        (
+            plane('variable = "L_s"', "level = [1, 2, 3, 4, 5]"),
+            "figure.0.level",
+            "5 lines in one map",
+        ),
+        (plane("level = { growth_rate = [] }"), "figure.0.level", "not an empty list"),
         (figure('kind = "curve"', "contact = 2"), "figure.0.contact", "has no contact"),
         (figure('kind = "curve"', "window = [0, 1]"), "figure.0.window", "has no window"),
         (figure('kind = "curve"', 'log = "y"', "ylim = [-1, 1]"), "figure.0.ylim", "above 0"),

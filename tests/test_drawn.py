@@ -52,6 +52,20 @@ def test_a_diagram_has_a_row_for_each_value_at_the_section_and_for_each_point_at
     }
 
 
+def test_lines_at_a_level_of_a_map_are_told_and_a_plane_without_is_not():
+    """L_s is 1e-5 Omega N0 where there is stick-slip."""
+    found = data.stability_map(initial=("reached",), nx=96, ny=97)
+    levels = {"variable": "L_s", "level": {"L_s": 1e-3}}
+    for overlay in (False, True):
+        rows = table(draw(found, figure("map", overlay=overlay, **levels)))
+        x, y = points(rows, "L_s = 0.001 rad^2").T
+        known = x < 0.09 * y  # away from where stick-slip ends
+        assert (x * y)[known] == pytest.approx(np.full(known.sum(), 100.0), rel=0.02)
+        assert known.sum() > 20
+    with pytest.raises(UsageError, match="this figure is a plane"):
+        table(draw(found, figure("map", variable="L_s")))
+
+
 def test_lines_are_counted_and_a_gap_ends_one():
     found = data.eigenvalues()
     rows = table(draw(found, figure("eigenvalues")))

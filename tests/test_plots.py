@@ -11,6 +11,7 @@ import xarray as xr
 from click.testing import CliRunner
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import LogNorm, to_hex
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -1188,6 +1189,72 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
 def test_lines_that_cannot_be_drawn_are_refused(settings, message):
     with pytest.raises(UsageError, match=message):
         draw(data.stability_map(), figure("map", overlay=True, **settings))
+
+
+def with_growth(**coords):
+    """Analyses of one case: a map, and a growth rate that changes its sign at N0 = 4 Omega."""
+    response = data.stability_map(initial=("reached",), nx=96, ny=97)
+    axes = {name: response[name] for name in ("Omega", "N0")} | coords
+    modes = axes.get("mode", xr.DataArray(0))
+    values = response["N0"] - 4.0 * response["Omega"] + 8.0 * modes + 0.0 * axes["Omega"]
+    growth = values.transpose("Omega", "N0", ...).drop_attrs().assign_attrs(units="rad s-1")
+    status = response["status"].isel(initial=0, drop=True)
+    beside = xr.Dataset({"status": status, "growth_rate": growth}, attrs=response.attrs)
+    return {"response": response, "eigenvalues": beside}
+
+
+def on_the_lines(drawn):
+    """Corners of all lines on the first panel of a map, shape (n, 2)."""
+    pieces = [piece for one in drawn.findobj(ContourSet) for piece in one.allsegs[0]]
+    return np.concatenate(pieces)
+
+
+@pytest.mark.parametrize("variable", ["attractor", "L_s"])
+def test_a_map_has_lines_at_a_level_of_another_analysis(variable):
+    growth = figure("map", variable=variable, level={"growth_rate": 0.0})
+    drawn = draw(with_growth(), growth)
+    x, y = on_the_lines(drawn).T
+    known = x < 9.5  # where there is an equilibrium
+    assert y[known] == pytest.approx(4.0 * x[known])
+    assert known.sum() > 50 and "growth rate = 0 rad/s" in legend_texts(drawn)
+    assert len(drawn.findobj(QuadMesh)) >= 1
+    both = figure("map", variable="L_s", level={"L_s": 1e-3, "growth_rate": [0.0, 99.0]})
+    drawn = draw(with_growth(), both)
+    dashes = {key.get_linestyle() for key in drawn.legends[0].get_lines()}
+    assert len(dashes - {"None"}) == 3  # each line is told from the others
+    assert "no line growth rate = 99 rad/s: below everywhere" in drawn.get_suptitle()
+
+
+def test_of_several_modes_a_map_has_the_line_of_the_one_that_is_selected():
+    modes = {"mode": xr.DataArray([0, 1], dims="mode")}
+    growth = {"variable": "attractor", "level": {"growth_rate": 0.0}}
+    with pytest.raises(UsageError, match="several values at a point"):
+        draw(with_growth(**modes), figure("map", **growth))
+    drawn = draw(with_growth(**modes), figure("map", select={"mode": 1}, **growth))
+    x, y = on_the_lines(drawn).T
+    assert (y + 8.0)[x < 9.5] == pytest.approx((4.0 * x)[x < 9.5])
+
+
+def test_what_is_taken_has_lines_of_what_it_is_not_taken_of():
+    take = {"what": "share", "of": "periodic", "over": ["initial"]}
+    wanted = figure("map", variable="attractor", take=take, level={"share": 0.5, "growth_rate": 0})
+    told = legend_texts(draw(with_growth(), wanted))
+    assert {"share = 0.5", "growth rate = 0 rad/s"} <= {*told}
+
+
+@pytest.mark.parametrize(
+    ("level", "message"),
+    [
+        ({"stable": 0.5}, "stable: no variable of this dataset"),
+        ({"growth_rate": 0.0, "L_s": [1, 2, 3, 4]}, "5 levels in one figure"),
+        ({"attractor": 0.5}, "classes have no level\ndraw the level of a number"),
+    ],
+)
+def test_lines_that_a_map_cannot_have_are_refused(level, message):
+    with pytest.raises(UsageError, match=message):
+        draw(with_growth(), figure("map", variable="L_s", level=level))
+    with pytest.raises(UsageError, match="overlay shows the lines of the variable that is mapped"):
+        draw(with_growth(), figure("map", variable="L_s", level={"growth_rate": 0}, overlay=True))
 
 
 def test_a_map_needs_two_axes():

@@ -15,7 +15,7 @@ from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import Bounds, OfClass, Reference, Trend, parse_condition
 from fiv_cli.case.places import Places
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import COUNTED, FigureKind
+from fiv_cli.case.structure import COUNTED, MOST_LINES, FigureKind
 from fiv_cli.case.words import variable_meant
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
@@ -87,10 +87,69 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
             _refuse_motion(figure.kind, name, held, (*place, key), report)
     drawn = (sound or names or [SHOWN.get(figure.kind, "status")])[0]
     places = _places(case, held, analysis, drawn)
+    of_lines = _check_levels(figure, case, held, names, (*place, "level"), report)
     if places is not None and figure.kind not in OF_MOTIONS:
-        places.check(figure.settings.get("select", {}), (*place, "select"), report)
+        selected = figure.settings.get("select", {})
+        own = {axis: selected[axis] for axis in selected if axis not in of_lines}
+        places.check(own, (*place, "select"), report)
     if len(sound) == len(names) > 1 and analysis is None:
         _check_of_one_analysis(names, held, (*place, key), report)
+
+
+def _check_levels(
+    figure: FigureSpec, case: Case, held: Held, mapped: Sequence[str], at: Path, report: Report
+) -> set[str]:
+    """Note levels that no line of a map has; the axes of the variables of which there are."""
+    said = figure.settings.get("level", [])
+    plain = dict.fromkeys(_mapped(figure, held, mapped), said)
+    of = said if isinstance(said, dict) else plain if said != [] else {}
+    count = sum(len(own) if isinstance(own, list) else 1 for own in of.values())
+    if count > MOST_LINES:
+        message = f"{count} lines in one map cannot be told apart"
+        report.add(at, message, f"{MOST_LINES} levels, or a figure for each few")
+    known = _known(case, held, None, with_motions=False)
+    taken = figure.settings.get("take", {}).get("what")
+    axes = set()
+    for name in [name for name in of if known and name != taken]:
+        place = (*at, name) if isinstance(said, dict) else at
+        if _check(name, known, place, report):
+            _check_line(name, known, figure, place, report)
+            places = _places(case, held, None, name)
+            axes |= {*places.own} if places else set()
+    return axes
+
+
+def _mapped(figure: FigureSpec, held: Held, named: Sequence[str]) -> Sequence[str]:
+    """What a figure maps: what it takes or names, or a headline of its analysis, classes first."""
+    if "take" in figure.settings or named:
+        return [figure.settings["take"]["what"]] if "take" in figure.settings else named
+    wanted = figure.settings.get("analysis")
+    of = (own or () for name, own in held.items() if name == (wanted or name))
+    shown = next(filter(None, ([v for v in own if v.headline] for own in of)), [])
+    first = sorted(shown, key=lambda one: (not _classes(one), one.headline))[:1]
+    return [one.name for one in first]
+
+
+def _check_line(
+    name: str,
+    known: Mapping[str, Variable | None],
+    figure: FigureSpec,
+    place: Path,
+    report: Report,
+) -> None:
+    """Note a variable that has no one number at each point."""
+    variable = known[name]
+    if _classes(variable):
+        numbers = [v.name for v in known.values() if v and v.headline and not _classes(v)]
+        message = f"{name!r} holds classes, which have no level"
+        report.add(
+            place, message, f"level = {{ VARIABLE = NUMBER }} of a number: {listed(numbers)}"
+        )
+    elif variable is not None and variable.ragged:
+        report.add(place, f"{name!r} has any number of values at a point, and no level there")
+    for dim in variable.dims if variable else ():
+        if dim not in figure.settings.get("select", {}):
+            report.add(place, f"{name!r} has a value for each {dim}", f"select = {{ {dim} = 0 }}")
 
 
 def _check_of_one_analysis(names: Sequence[str], held: Held, place: Path, report: Report) -> None:

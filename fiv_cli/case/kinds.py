@@ -206,7 +206,8 @@ error. A point that was not computed, or whose class is undecided, may hold anyt
 over such points is an interval (share_low, share_high), and a claim about it is decided where both
 ends say the same: one about a border is not while undecided points lie beside it. A map draws the
 line at which its numbers have a `level` (one or several), of an interval that of each end; with
-overlay = true the lines alone, all in one panel.
+overlay = true the lines alone, all in one panel. Over a map of anything, classes too, lie lines of
+other variables of the case: level = { growth_rate = 0.0 }. A .csv of the figure has them all.
 
 Examples: configs/ch7/fig_7_13.toml, fig_7_06_exists.toml (borders), fig_7_15.toml (overlaid lines),
 configs/ch4/fig_4_15.toml (claims about motions and spectra).

@@ -42,11 +42,12 @@ from fiv_cli.notation.values import (
 # The version of the case-file format that this program reads.
 SCHEMA_VERSION = 1
 
+_NUMBERS: list[dict[str, Any]] = [
+    {"type": "number"},
+    {"type": "array", "items": {"type": "number"}, "minItems": 1},
+]
 LEVELS_SCHEMA = {
-    "anyOf": [
-        {"type": "number"},
-        {"type": "array", "items": {"type": "number"}, "minItems": 1},
-    ]
+    "anyOf": [*_NUMBERS, {"type": "object", "additionalProperties": {"anyOf": _NUMBERS}}]
 }
 
 
@@ -62,8 +63,19 @@ def _check_law(value: object) -> object:
     return value
 
 
-def check_levels(value: object) -> list[float]:
-    """One number, or a list of numbers, as a list; ValueError for anything else."""
+def check_levels(value: object) -> list[float] | dict[str, list[float]]:
+    """One number, or a list of numbers, as a list, or such a list for each variable of a table.
+
+    Raises
+    ------
+    ValueError : anything else
+    """
+    if isinstance(value, dict):
+        return {name: _check_numbers(one) for name, one in value.items()}
+    return _check_numbers(value)
+
+
+def _check_numbers(value: object) -> list[float]:
     if isinstance(value, list) and not value:
         raise ValueError("must be a number or a list of numbers, not an empty list")
     return [check_number(level) for level in (value if isinstance(value, list) else [value])]
@@ -90,6 +102,9 @@ Interval = Annotated[
 
 Levels = Annotated[Any, PlainValidator(check_levels), WithJsonSchema(LEVELS_SCHEMA)]
 
+
+MOST_LINES = 4
+"""Levels in one map whose lines can be told apart."""
 
 MOST_LEVELS = 12
 """A lattice halved more often than this has more points than can be held."""
@@ -376,7 +391,9 @@ class FigureTable(Table):
         default=None, description="draw one number for all that the variable holds along axes"
     )
     level: Levels | None = Field(
-        default=None, description="map of numbers: a line at this value, or at each of these"
+        default=None,
+        description="map: a line where its numbers have this value, or each of these; of any "
+        "variables over its axes { growth_rate = 0, L_s = [1e-4, 1e-3] }",
     )
     contact: int | None = Field(default=None, description="contact to draw, from 1")
     window: Interval | None = Field(default=None, description="stretch of time to draw, s")

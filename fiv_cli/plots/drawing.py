@@ -198,7 +198,10 @@ def draw(
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
     settings = _checked(figure)
     if "take" in settings:
-        layers = [replace(one, dataset=_taken(one.dataset, settings)) for one in layers]
+        layers = [
+            replace(one, dataset=_taken(one.dataset, settings), beside=(one.dataset, *one.beside))
+            for one in layers
+        ]
         settings = {**settings, "variable": settings["take"]["what"]}
     asked = [
         one for one, (_, held) in zip(layers, analyses, strict=True) if _has_asked(held, figure)
@@ -259,7 +262,17 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     selection = figure.settings.get("select", {})
     beside = tuple(_selected(d, selection) for d in analyses.values() if d is not dataset)
     narrowed = select.subset if kind.suits(dataset) else _selected
-    return Layer(label, narrowed(dataset, selection), beside)
+    of_lines = _axes_of_lines(figure, beside) - {*select.axis_names(dataset)}
+    own = {axis: selection[axis] for axis in selection if axis not in of_lines}
+    return Layer(label, narrowed(dataset, own), beside)
+
+
+def _axes_of_lines(figure: FigureSpec, beside: Sequence[xr.Dataset]) -> set[str]:
+    """The axes of other analyses of whose variables a map draws lines, such as their mode."""
+    level = figure.settings.get("level")
+    named = level.keys() if isinstance(level, Mapping) else set()
+    holding = [one for one in beside if named & {*map(str, one.data_vars)}]
+    return {axis for one in holding for axis in select.axis_names(one)}
 
 
 def _own_first(analyses: dict[str, xr.Dataset], kind: str) -> list[xr.Dataset]:

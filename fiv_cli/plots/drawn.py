@@ -41,9 +41,9 @@ def as_csv(figure: Figure, path: Path) -> str:
 
     Raises
     ------
-    UsageError : the figure paints a plane
+    UsageError : the figure paints a plane, and there are no lines on it at a level
     """
-    if figure.findobj(lambda artist: isinstance(artist, QuadMesh | ContourSet)):
+    if figure.findobj(QuadMesh) and not figure.findobj(ContourSet):
         raise UsageError(
             f"{path}: not written: a table of points and lines, and this figure is a plane\n"
             "next: the variable that it shows, as fiv show FILE.nc --csv VARIABLE -o FILE.csv"
@@ -90,6 +90,8 @@ def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
         return _pieces_of_line(artist, ax)
     if isinstance(artist, LineCollection):
         return map(np.asarray, artist.get_segments())
+    if isinstance(artist, ContourSet):
+        return map(np.asarray, artist.allsegs[0])
     return [np.asarray(artist.get_offsets())] if isinstance(artist, PathCollection) else []
 
 

@@ -7,7 +7,7 @@ interval has a line for each end: the border is known where the two are one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
+from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
 from fiv_cli.reading.datasets import ends_of, flag_names
@@ -29,20 +30,28 @@ ROOM = 1.5  # between levels written on lines, and at the ends of these, in leng
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
 
-def levels_of(array: xr.DataArray, settings: points.Settings) -> list[float]:
-    """The levels that a figure asks for, from low to high; none where it asks for none.
+def asked(mapped: str, said: Any) -> dict[str, list[float]]:
+    """Variable -> its levels from low to high, of what stands at `level` in a map of `mapped`.
 
     Raises
     ------
-    UsageError : levels of a class, or more than can be told apart
+    UsageError : more than can be told apart
     """
-    named = settings.get("level", [])
-    levels = sorted(float(level) for level in (named if isinstance(named, list) else [named]))
-    if levels and flag_names(array.attrs):
-        raise UsageError(f"{array.name}: classes have no level\ndraw the level of a number")
-    if len(levels) > len(STYLES):
-        raise UsageError(f"{len(levels)} levels in one figure are too many\nask for {len(STYLES)}")
+    of = said if isinstance(said, Mapping) else {mapped: said}
+    levels = {name: sorted(float(one) for one in np.atleast_1d(own)) for name, own in of.items()}
+    count = sum(map(len, levels.values()))
+    if count > MOST_LINES:
+        raise UsageError(f"{count} levels in one figure are too many\nask for {MOST_LINES}")
     return levels
+
+
+def refuse_class(array: xr.DataArray) -> None:
+    """UsageError of a variable that has no numbers."""
+    if flag_names(array.attrs):
+        raise UsageError(
+            f"{array.name}: classes have no level\n"
+            "draw the level of a number: level = { VARIABLE = NUMBER }"
+        )
 
 
 def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
@@ -53,11 +62,13 @@ def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
 
 def draw(
     ax: Axes,
+    array: xr.DataArray,
     places: tuple[np.ndarray, np.ndarray],
     planes: Sequence[np.ndarray],
     levels: Sequence[float],
     colour: ColorType,
     *,
+    label: str = "",
     named: bool = True,
     styles: Sequence[Any] = STYLES,
 ) -> None:
@@ -72,6 +83,7 @@ def draw(
                     *places, plane, levels=[level], colors=[colour], linestyles=[dashes],
                     linewidths=1.5,
                 )  # fmt: skip
+                lines.set_label(points.unlisted(label, _words(array, level)))
                 if named:
                     _name(ax, lines, level)
 
@@ -130,7 +142,8 @@ def overlay(
     for number, ((label, ends), colour) in enumerate(zip(planes, colours, strict=True)):
         dash = style.dash(number, len(planes)) if single else "-"
         styles = [dash] if single else STYLES
-        draw(ax, places, ends, levels, colour, named=not single, styles=styles)
+        look: dict[str, Any] = {"label": label, "named": not single, "styles": styles}
+        draw(ax, array, places, ends, levels, colour, **look)
         handles.append(Line2D([], [], color=colour, ls=dash, label=_entry(label, ends, levels)))
     told = [handle for handle in handles if handle.get_label()]
     every = [ends for _, ends in planes]
@@ -150,10 +163,11 @@ def keys(
     levels: Sequence[float],
     colour: ColorType,
     planes: Sequence[Sequence[np.ndarray]],
+    styles: Sequence[Any] = STYLES,
 ) -> list[Line2D]:
     """An entry of a legend for each level that is drawn in some planes (values of each end)."""
     words = [f"{_words(array, level)}{_both(planes)}" for level in levels]
-    pairs = zip(words, STYLES, strict=False)
+    pairs = zip(words, styles, strict=False)
     return [Line2D([], [], color=colour, ls=dash, label=word) for word, dash in pairs]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.typing import ColorType
 
 MOST_PANELS = 6
 MOST_COLUMNS = 3
@@ -52,24 +55,26 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A panel for each start and each value of the other axes, or the lines of all in one."""
     dataset = layers[0].dataset
     planes = _planes(dataset, settings)
-    lines = levels.levels_of(planes.array, settings)
+    lines = _lines(layers[0], planes, settings)
     if settings.get("overlay"):
         return _overlaid(planes, lines, settings)
     refuse_many(planes.panels, planes.array, planes.dims)
     points.refuse_empty(dataset, bool(planes.computed.any()), str(planes.array.name))
-    missed = levels.missed(planes.array, [*map(planes.ends, planes.panels)], lines)
+    missed = [word for one in lines for word in one.missed]
     words = "\n".join(filter(None, (points.title(dataset), _how_run(dataset), *missed)))
     figure, axes, columns = style.grid_of_panels(
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )
-    if flag_names(planes.array.attrs):
-        _paint_classes(figure, axes, planes)
+    is_class = bool(flag_names(planes.array.attrs))
+    colour = style.BLACK if is_class else style.VERMILLION  # none of the classes is black
+    keys = [key for one in lines for key in one.keys(colour)]
+    if is_class:
+        _paint_classes(figure, axes, planes, keys)
     else:
-        ends = [*map(planes.ends, planes.panels)]
-        keys = levels.keys(planes.array, lines, style.VERMILLION, ends)
         _paint_numbers(figure, axes, planes, keys, logarithmic="z" in str(settings.get("log")))
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
-        levels.draw(ax, planes.places, planes.ends(panel), lines, style.VERMILLION)
+        for one in lines:
+            one.draw(ax, panel, colour, named=one.planes is planes)
         _dress(ax, number, columns, planes)
         points.scale(ax, settings)
     return figure
@@ -115,6 +120,76 @@ class _Planes:
         return ax.pcolormesh(*self.places, plane, shading="nearest", rasterized=many, **looks)
 
 
+@dataclass(frozen=True)
+class _Lines:
+    """The lines at which one variable has its `levels`, each in a style of its own."""
+
+    planes: _Planes
+    levels: Sequence[float]
+    styles: Sequence[Any]
+
+    @property
+    def ends(self) -> list[list[np.ndarray]]:
+        """The numbers of each panel, at each end of what they may be."""
+        return [*map(self.planes.ends, self.planes.panels)]
+
+    @property
+    def missed(self) -> list[str]:
+        """Why there is no line, of each level that has none."""
+        return [*levels.missed(self.planes.array, self.ends, self.levels)]
+
+    def keys(self, colour: ColorType) -> list[Line2D]:
+        """Entries of a legend."""
+        return levels.keys(self.planes.array, self.levels, colour, self.ends, self.styles)
+
+    def draw(self, ax: Axes, panel: points.Line, colour: ColorType, *, named: bool) -> None:
+        """Draw those of one panel; a number written on them tells the levels of what is painted."""
+        array, places, ends = self.planes.array, self.planes.places, self.planes.ends(panel)
+        look: dict[str, Any] = {"named": named, "styles": self.styles}
+        levels.draw(ax, array, places, ends, self.levels, colour, **look)
+
+
+def _lines(layer: points.Layer, planes: _Planes, settings: points.Settings) -> list[_Lines]:
+    """What lines a figure asks for: of the variable that it maps, and of others over its axes."""
+    wanted = levels.asked(str(planes.array.name), settings.get("level", []))
+    styles, found = iter(levels.STYLES), []
+    for name, own in wanted.items():
+        if own:
+            over = planes if name == planes.array.name else _beside(layer, planes, name)
+            levels.refuse_class(over.array)
+            found.append(_Lines(over, own, [*islice(styles, len(own))]))
+    return found
+
+
+def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
+    """The planes of another variable, of any analysis of the case, under the panels of a map.
+
+    Raises
+    ------
+    UsageError : there is none, or not one value of it at each place of a panel
+    """
+    holding = (one for one in (layer.dataset, *layer.beside) if name in one)
+    dataset = next(holding, None)
+    if dataset is None:
+        raise UsageError(
+            f"{name}: no variable of this dataset, whose level could be drawn\n"
+            "next: `fiv show FILE.nc` says what it holds"
+        )
+    dims, panels = dataset[name].dims, {dim for panel in planes.panels for dim in panel.index}
+    lacking = {*planes.dims} - {*dims}
+    if lacking:
+        raise UsageError(f"{name}: its level is no line, it has no value for each {min(lacking)}")
+    further = [str(dim) for dim in dims if dim not in {*planes.dims, *panels}]
+    several = [dim for dim in further if dataset.sizes[dim] > 1]
+    if several:
+        raise UsageError(
+            f"{name}: several values at a point, and its level is drawn of one\n"
+            f"choose from {', '.join(several)} with `select` in the figure"
+        )
+    single = dataset.squeeze(further, drop=True)
+    return _Planes(single, single[name], planes.axes, planes.panels)
+
+
 def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:
     x, y = _axes(dataset, settings)
     array = dataset[_variable(dataset, settings)]
@@ -125,11 +200,17 @@ def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:
     return _Planes(dataset, array, (x, y), panels)
 
 
-def _overlaid(planes: _Planes, lines: Sequence[float], settings: points.Settings) -> Figure:
+def _overlaid(planes: _Planes, lines: Sequence[_Lines], settings: points.Settings) -> Figure:
     """The lines at the levels, of every start and each value of the other axes, in one panel."""
+    if any(one.planes is not planes for one in lines):
+        raise UsageError(
+            "overlay shows the lines of the variable that is mapped, alone\n"
+            "next: level = NUMBER, or leave overlay out"
+        )
     figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
     ends = [(panel.label, planes.ends(panel)) for panel in planes.panels]
-    levels.overlay(ax, planes.array, ends, planes.places, lines)
+    wanted = [level for one in lines for level in one.levels]
+    levels.overlay(ax, planes.array, ends, planes.places, wanted)
     for axis, which in zip(planes.axes, "xy", strict=True):
         points.dress_axis(ax, axis, which)
     points.scale(ax, settings)
@@ -200,7 +281,9 @@ def _dress(ax: Axes, number: int, columns: int, planes: _Planes) -> None:
     ax.set_title(planes.panels[number].label)
 
 
-def _paint_classes(figure: Figure, axes: Sequence[Axes], planes: _Planes) -> None:
+def _paint_classes(
+    figure: Figure, axes: Sequence[Axes], planes: _Planes, lines: Sequence[Artist]
+) -> None:
     array, dataset = planes.array, planes.dataset
     names = flag_names(array.attrs)
     answered = planes.computed | filled_in(dataset, str(array.name))
@@ -219,7 +302,7 @@ def _paint_classes(figure: Figure, axes: Sequence[Axes], planes: _Planes) -> Non
         Patch(color=colour, label=name.replace("_", " "))
         for colour, name in zip(colours, present.values(), strict=True)
     ]
-    legend_below(figure, handles, why_missing(dataset, known))
+    legend_below(figure, [*handles, *lines], why_missing(dataset, known))
 
 
 def _edges(count: int) -> np.ndarray:

@@ -47,7 +47,7 @@ class Settings(TypedDict, total=False):
     variable: str | list[str]
     select: Mapping[str, object]
     take: Mapping[str, Any]
-    level: float | list[float]
+    level: float | list[float] | Mapping[str, float | list[float]]
     contact: int
     window: tuple[float | str, float | str]
     overlay: bool
