@@ -412,7 +412,8 @@ def test_a_branch_may_be_laid_over_a_bifurcation_diagram_along_its_parameter():
     np.testing.assert_allclose(high, [begins, [2.0, 2.0], [1.5, 1.5], [1.0, 1.0]])
     np.testing.assert_array_equal(low[:, 1], 0.0)
     other = [("", response), ("branch", branch_along_the_speed("N0"))]
-    assert not dashed(draw(other, figure("bifurcation")).axes[0])
+    with pytest.raises(UsageError, match="branch: nothing that a bifurcation diagram along Omega"):
+        draw(other, figure("bifurcation"))
 
 
 @pytest.mark.parametrize("chosen", [True, False])
@@ -2188,6 +2189,25 @@ def test_of_several_files_the_one_that_cannot_be_drawn_is_named(stored):
         UsageError, match=r"branch of all files: not written: bifurcation\.nc: no br"
     ):
         run(plot_command, *asked, "-o", "both.png")
+
+
+def test_no_file_of_several_is_left_out_without_a_word(stored):
+    """What has no part in a figure of the first file is drawn itself, or refused by its name."""
+    result = run(plot_command, "stability_map.nc", "bifurcation.nc")
+    drawn = ["stability_map-map.png", "bifurcation-bifurcation.png", "bifurcation-curve.png"]
+    assert result.stdout.split() == drawn
+    both = ["bifurcation.nc", "eigenvalues.nc"]
+    with pytest.raises(UsageError, match=r"eigenvalues: no L_s.*\nnext: draw it alone"):
+        run(plot_command, *both, "--figure", "curve")
+    with pytest.raises(UsageError, match=r"eigenvalues\.nc: section_value: no values"):
+        run(plot_command, *both, "--figure", "bifurcation")
+    assert not (stored / "bifurcation-curve.png").stat().st_size < 1000
+
+
+def test_a_diagram_refuses_what_gives_it_nothing(stored):
+    apart = data.bifurcation()[["status", "L_s"]]
+    with pytest.raises(UsageError, match="other: nothing that a bifurcation diagram along Omega"):
+        draw([("one", data.bifurcation()), ("other", apart)], figure("bifurcation"))
 
 
 def test_plot_draws_laws_without_a_dataset(stored):

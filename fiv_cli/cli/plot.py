@@ -237,20 +237,23 @@ def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources,
     from fiv_cli.plots.drawing import KINDS
 
     lender = next((source for _, source in sources if _has_figure(source, name)), None)
-    shared: list[str] = []
-    for (file, source), (label, _) in zip(sources, _named(sources), strict=True):
-        if name in shared:  # the figure of the first file, in which the others have their part
+    shared: set[str] = set()  # figures of files before, in which later ones have their part
+    for place, ((file, source), (label, _)) in enumerate(
+        zip(sources, _named(sources), strict=True)
+    ):
+        if name in shared:
             return
         asks = lender if lender and not _has_figure(source, name) else source
+        before = frozenset(shared)
         for figure in _chosen(file, asks, name):
             default = file.with_name(f"{file.stem}-{figure.name}.png")
             if len(sources) == 1:
                 yield default, sources, figure
             elif not KINDS[figure.kind].overlays:
                 yield default, [(file, _labelled(source, label))], figure
-            elif file == sources[0][0]:
-                shared += [figure.name, figure.kind]
-                yield default, sources, figure
+            elif not before & {figure.name, figure.kind}:
+                shared |= {figure.name, figure.kind}
+                yield default, sources[place:], figure
 
 
 def _has_figure(source: dict[str, xr.Dataset], name: str | None) -> bool:

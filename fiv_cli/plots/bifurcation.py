@@ -69,6 +69,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     _refuse_of_none(layers, shown)
     axis, observed = points.abscissa(first, settings), _observed(first[name])
+    for layer in layers:
+        if not any(layer.dataset is one.dataset for one in shown):
+            _refuse_apart(layer, shown, axis, observed)
     judged = [(layer, told) for layer in shown for told in _judged(layer, others, axis, observed)]
     untold = len(judged) < len(shown)
     resting = _resting_words([layer.dataset for layer in shown]) if untold else ""
@@ -270,6 +273,30 @@ def _refuse_of_none(layers: Sequence[points.Layer], shown: Sequence[points.Layer
                 f"the branch {layer.label} is of other parameters than the bifurcation diagrams\n"
                 "next: draw it with a diagram of its own parameters, or alone: --figure branch"
             )
+
+
+def _refuse_apart(
+    layer: points.Layer, shown: Sequence[points.Layer], axis: xr.DataArray, observed: str
+) -> None:
+    """UsageError of a dataset of which the diagrams show nothing."""
+    parts = (
+        _of_the_same(one, diagram.dataset)
+        for one in (layer.dataset, *layer.beside)
+        for diagram in shown
+    )
+    if not any(part is not None and _has_part(part, axis, observed) for part in parts):
+        raise UsageError(
+            f"{layer.label}: nothing that a bifurcation diagram along {axis.name} shows\n"
+            "next: draw it alone (fiv plot FILE.nc); what would be shown are section values, and "
+            "at the same parameters, along the same axis, answers of `cycle` and `eigenvalues`"
+        )
+
+
+def _has_part(dataset: xr.Dataset, axis: xr.DataArray, observed: str) -> bool:
+    """Whether there are cycles or eigenvalues along an axis of diagrams."""
+    told = "cycle_period" in dataset or {"stable", "growth_rate"} <= {*dataset}
+    is_along = axis.name in dataset.coords and told
+    return is_along or branch.is_along(dataset, str(axis.name), observed)
 
 
 def _draw_cycles(

@@ -14,6 +14,7 @@ import numpy as np
 
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.notation.names import listed
 from fiv_cli.plots import labels, points, style
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
@@ -75,6 +76,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """
     dataset = layers[0].dataset
     names = variables_of(dataset, settings)
+    for layer in layers:
+        _refuse_without(layer, names)
     panels = _panels(dataset, names)
     drawn = [
         (place, curve)
@@ -96,6 +99,17 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     told = "undecided" if names == ["attractor"] else ""
     points.dress(axes, layers, settings, told)
     return figure
+
+
+def _refuse_without(layer: points.Layer, names: Sequence[str]) -> None:
+    """UsageError of a dataset that has not all that the one before it is drawn of."""
+    lacking = [name for name in names if name not in layer.dataset]
+    if lacking:
+        raise UsageError(
+            f"{layer.label}: no {listed(lacking)}, which this curve shows of the other datasets\n"
+            f"next: draw it alone (fiv plot FILE.nc), or say in the figure which variable all "
+            f"have; it has {listed(headlines(layer.dataset))}"
+        )
 
 
 def _panels(dataset: xr.Dataset, names: Sequence[str]) -> list[list[str]]:
