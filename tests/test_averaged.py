@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import asin, cos, pi, sin, sqrt
 
 import numpy as np
@@ -38,13 +39,17 @@ def average_at(name: str, v: float, amplitude: float, **changes: float) -> tuple
 
 def integral_at(name: str, v: float, amplitude: float, **changes: float) -> float:
     """The same average by adaptive quadrature, split where the fast slip reverses."""
-    law = get_law(name)
-    values = VALUES | changes
+    law, symbol = get_law(name), sympy.Symbol("v", real=True)
+
+    def of_one_sign(sign: int) -> Callable[[float], float]:
+        slip = Slip(v=symbol, sign=sign, speed=sign * symbol, N=1)
+        return sympy.lambdify(symbol, law.force(slip, VALUES | changes))
+
+    ways = {sign: of_one_sign(sign) for sign in (-1, 1)}
 
     def force(phase: float) -> float:
         fast = v + amplitude * cos(phase)
-        sign = 1 if fast > 0.0 else -1
-        return float(law.force(Slip(v=fast, sign=sign, speed=abs(fast), N=1), values))
+        return ways[1 if fast > 0.0 else -1](fast)
 
     corner = pi - np.arccos(min(1.0, v / amplitude)) if amplitude > abs(v) else pi / 2
     ends = ((0.0, corner), (corner, pi))

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from motions import TIGHT, defaults, motion, system
 
 from fiv_cli.analyses.attractor.confirm import confirm
 from fiv_cli.analyses.base import Section, Start
 from fiv_cli.analyses.cycles.periodic import Problem
 from fiv_cli.api import analyse
-from tests.motions import TIGHT, defaults, motion, system
 
 # Near the end of a window of seven sticks in four periods of the base (Figure 3.6).
 SHAKEN = {"u0": 0.5, "omega": 1.935}

@@ -320,7 +320,7 @@ def test_what_is_taken_lies_between_its_ends_whatever_the_missing_points_hold(po
     if failed.all():
         assert np.isnan([low, high]).all()
         return
-    for filled in np.ndindex(3, 3, 3):
+    for filled in np.ndindex(*np.where(failed, 3, 1)):
         complete = float(found(np.where(failed, filled, values), ["ok"] * 3)[what])
         anywhere = np.isinf([low, high]).all()
         assert anywhere or low <= complete <= high or np.isnan([low, complete]).all()
