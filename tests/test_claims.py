@@ -191,6 +191,21 @@ def test_bounds_of_conditions_are_exact_although_axes_are_binary(text, count):
     assert select.matching(axis, text, nearest=False).sum() == count
 
 
+@pytest.mark.parametrize("nearest", [True, False])
+def test_of_axes_that_advance_together_every_place_of_a_value_is_meant(nearest):
+    """And places where several values stand together; where they never do, it is an error."""
+    c1, c2 = (("both", values) for values in ([0.0, 0.05, 0.05, 0.0], [0.0, 0.05, 0.0, 0.05]))
+    dataset = xr.Dataset({"L_s": ("both", np.arange(4.0))}, {"c1": c1, "c2": c2})
+    places = lambda **at: select.subset(dataset, at, nearest=nearest)["L_s"].values.tolist()  # noqa: E731
+    assert places(c2=0.0) == places(c2=[0.0]) == [0.0, 2.0]
+    assert places(c1=0.05, c2=0.0) == [2.0]
+    assert places(c1=[0.05, 0.0], c2=0.05) == [1.0, 3.0]
+    apart = dataset.isel(both=slice(2))
+    told = r"c1, c2 = 0\.05, 0: never together in this dataset\nc1, c2: 0\.0, 0\.0; 0\.05, 0\.05"
+    with pytest.raises(select.SelectionError, match=told):
+        select.subset(apart, {"c1": 0.05, "c2": 0}, nearest=nearest)
+
+
 @given(st.floats(0.05, 1.05), st.floats(0.05, 1.05))
 def test_conditions_agree_with_comparison(low, high):
     axis = xr.DataArray(MU_K, dims="mu_k", name="mu_k")

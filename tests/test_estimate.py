@@ -75,6 +75,24 @@ def test_an_estimate_holds_the_time_where_few_points_cost_nearly_all(
     assert found.sampled < 0.02 * found.points[1]
 
 
+def test_points_that_are_given_up_together_are_not_taken_for_dear_ones(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without damping a point is ten times as cheap as it is elsewhere, and it comes first."""
+    table: dict[str, Any] = {"schema": 1, "model": {"name": "flutter-2dof"}}
+    table["grid"] = {"c2": {"start": 0.0, "stop": 1.5, "num": 31}, "c1": [0.0, 0.05, 0.2]}
+    asked = {"kind": "critical", "parameter": "mu_k", "bracket": [0.0, 50.0]}
+
+    def tried(_: object, __: object, segments: tuple[Segment, ...], share: float = 1.0) -> Tried:
+        seconds = sum(0.2 if any(one.values[0]) else 0.02 for one in segments)
+        result: Any = None if seconds > 2.5 else SimpleNamespace(states={})
+        return Tried(result, min(seconds, 2.5), np.inf if result is None else seconds, 100)
+
+    monkeypatch.setattr("fiv_cli.sweep.estimate._tried", tried)
+    (found,) = estimate(api.load(table | {"analysis": [asked]}), 1, lambda _: None)
+    assert found.given_up == 0 and found.seconds[0] < 93 * 0.2 < found.seconds[1] < 60.0
+
+
 def test_a_point_that_does_not_end_is_given_up_and_those_after_it_are_run(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -1441,6 +1441,18 @@ def test_motions_without_a_known_sample_are_not_drawn():
         draw(dataset, figure("history"))
 
 
+def test_no_line_goes_back_along_an_axis_that_others_advance_with():
+    """Two values of the damping at one of the ratio: neither is joined to the other."""
+    for dataset, name in ((data.crossings(), "critical_value"), (data.bifurcation(), "L_s")):
+        axis = next(iter(dataset[name].dims))
+        values = dataset[axis].values.copy()
+        values[1::2] = values[:-1:2]
+        back = dataset.assign_coords({axis: (axis, values, dataset[axis].attrs)})
+        (ax,) = draw(back, figure("curve", variable=name, x=axis)).axes
+        steps = [np.diff(line.get_xdata()) for line in ax.lines if line.get_linestyle() != "None"]
+        assert steps and not any((along <= 0.0).any() for along in steps)
+
+
 def test_spectra_none_of_which_is_known_are_not_drawn():
     dataset = data.spectra()
     dataset["amplitude"][:] = np.nan

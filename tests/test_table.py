@@ -32,6 +32,19 @@ def test_a_row_for_each_point_that_has_a_value():
     }  # fmt: skip
 
 
+def test_a_table_of_axes_that_advance_together_names_them_alone_and_only_what_is_there():
+    classes = np.full(3, "periodic", object)
+    along = {"both": np.arange(3)}
+    found = data.response(classes, np.array([1.0, 2.0, 3.0]), along).drop_vars("both")
+    found = found.assign_coords(v=("both", [0.5, 1.0, 0.5]), N=("both", [5.0, 6.0, 7.0]))
+    assert rows(found, "L_s", v=0.5) == [
+        {"v": "0.5", "N": "5.0", "L_s": "1.0"},
+        {"v": "0.5", "N": "7.0", "L_s": "3.0"},
+    ]
+    with pytest.raises(UsageError, match=r"v = 0\.6: not in this dataset"):
+        rows(found, "L_s", v=0.6)
+
+
 def test_values_of_any_number_per_point_stand_beside_their_points():
     found = data.bifurcation()
     told = rows(found, "section_value")

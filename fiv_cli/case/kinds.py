@@ -110,7 +110,7 @@ TAKES = {
     "greatest": ("the greatest of the numbers", ("over",)),
     "mean": ("their mean", ("over",)),
     "spread": ("the greatest less the least", ("over",)),
-    "peak": ("where along an axis the greatest lies", ("over",)),
+    "peak": ("at which point of an axis the greatest is", ("over",)),
 }
 """`what` is taken of many values -> what it is, and the other keys of ``take``."""
 

@@ -258,7 +258,7 @@ def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settin
             one.isel(line.index).values
             for one in (array, unsure & array.notnull(), classes, errors, *ends_of(dataset, name))
         )
-        jumps = (np.flatnonzero(told[1:] != told[:-1]) + 1).tolist()
+        jumps = (np.flatnonzero((told[1:] != told[:-1]) | _turns_back(x)) + 1).tolist()
         label = points.joined(words, layer.label, line.label)
         curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps))
     return curves
@@ -290,6 +290,13 @@ def _by_sort(
     return curves
 
 
+def _turns_back(x: np.ndarray) -> np.ndarray:
+    """Between which neighbours an axis that others advance with stands still, or turns."""
+    steps = np.diff(x)
+    first: float = next(iter(steps[steps != 0.0]), 1.0)
+    return steps * first <= 0.0
+
+
 Place = tuple[int, int]
 """Numbers of a point and of a crossing there."""
 
@@ -304,8 +311,8 @@ def _joined(x: np.ndarray, values: np.ndarray, modes: np.ndarray) -> list[list[P
         for point, row in enumerate(values)
     ]
     lines: dict[Place, list[Place]] = {place: [place] for row in rows for place in row}
-    for before, after in pairwise(rows):
-        for one, other in _pairs(before, after, values, modes):
+    for (before, after), apart in zip(pairwise(rows), _turns_back(x), strict=True):
+        for one, other in [] if apart else _pairs(before, after, values, modes):
             lines[other] = lines[one]
             lines[one].append(other)
     distinct = {id(line): line for line in lines.values()}.values()

@@ -212,7 +212,7 @@ def dataset_of(case: Case, output: Path | None = None) -> tuple[dict[str, xr.Dat
         said = f"{path} joins several runs (api.join)"
         return None, f"{said}; from Python: api.claims(case, api.read({str(path)!r}))"
     if not is_of(attributes, case):
-        advice = _as_it_was_run(attributes, case, path) or f"{advice} --fresh"
+        advice = _as_it_was_run(analyses, case, path) or f"{advice} --fresh"
         said = f"{path} was computed from another version of the case"
         return None, f"{said}; {_elsewhere(case, path) or advice}"
     lacking = _lacking(analyses, case)
@@ -226,12 +226,13 @@ def _lacking(analyses: Analyses, case: Case) -> str:
     return "" if of_same_points(analyses, case) else "on another grid, or from other starts"
 
 
-def _as_it_was_run(attributes: Mapping[str, Any], case: Case, path: Path) -> str:
+def _as_it_was_run(analyses: Analyses, case: Case, path: Path) -> str:
     """What to type where a dataset is of the case with what ``--set`` said when it was run."""
+    attributes = next(iter(analyses.values())).attrs
     changes = str(attributes.get("overrides", "")).splitlines()
     with suppress(FivError):
         changed = load_case(case.source, changes)
-        if is_of(attributes, changed):
+        if is_of(attributes, changed) and not _lacking(analyses, changed):
             return f"it is of: {_command(changed, 'claims')} -o {path}"
     return ""
 

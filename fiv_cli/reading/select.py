@@ -116,7 +116,7 @@ def _matching_number(axis: xr.DataArray, wanted: float | str, nearest: bool) -> 
     value = _in_unit_of(axis, wanted)
     distance = np.abs(axis.values - value)
     if nearest:
-        return np.arange(axis.size) == np.argmin(distance)
+        return distance == np.min(distance)
     return distance <= SAME * abs(value)
 
 
@@ -144,7 +144,7 @@ def _what_exists(axis: xr.DataArray, wanted: Any) -> str:
     span = f"{axis.name}: {axis.size} values from {axis.values.min():g} to {axis.values.max():g}"
     if condition(str(wanted)):
         return span
-    return f"{span}; the nearest is {axis.values[_matching_number(axis, wanted, True)][0]:g}"
+    return f"{span}; the nearest is {axis.values[_matching_number(axis, wanted, True)][0]:.12g}"
 
 
 def subset(
@@ -154,7 +154,7 @@ def subset(
 
     Raises
     ------
-    SelectionError : an axis, value or label does not exist
+    SelectionError : an axis, value or label does not exist, or values do not stand together
     """
     masks: dict[str, np.ndarray] = {}
     for name, wanted in selection.items():
@@ -162,7 +162,21 @@ def subset(
         dim = str(axis.dims[0])
         mask = matching(axis, wanted, nearest=nearest)
         masks[dim] = mask & masks.get(dim, True)
+        if not masks[dim].any():
+            raise SelectionError(_never_together(dataset, dim, selection))
     return masked(dataset, masks)
+
+
+def _never_together(dataset: xr.Dataset, dim: str, selection: Mapping[str, Any]) -> str:
+    """Of parameters that advance together, what was asked for and what there is."""
+    axes = {name: axis_of(dataset, name) for name in selection}
+    axes = {name: axis for name, axis in axes.items() if axis.dims == (dim,)}
+    names, wanted = ", ".join(axes), ", ".join(str(selection[name]) for name in axes)
+    rows = [
+        ", ".join(map(str, row)) for row in zip(*(a.values for a in axes.values()), strict=True)
+    ]
+    there = "; ".join(rows if len(rows) <= 8 else [*rows[:3], "...", rows[-1]])
+    return f"{names} = {wanted}: never together in this dataset\n{names}: {there}"
 
 
 def masked(dataset: xr.Dataset, masks: Mapping[str, np.ndarray]) -> xr.Dataset:

@@ -136,7 +136,10 @@ def _axis(dataset: xr.Dataset, name: str) -> dict[str, Any]:
     axis = select.axis_of(dataset, name)
     facts: dict[str, Any] = {"size": axis.size, "units": str(axis.attrs.get("units", "1"))}
     if select.is_numeric(axis):
-        return {**facts, "first": float(axis.values[0]), "last": float(axis.values[-1])}
+        ends = {"first": float(axis.values[0]), "last": float(axis.values[-1])}
+        steps = np.diff(axis.values)
+        turns = not ((steps > 0.0).all() or (steps < 0.0).all())
+        return facts | ends | ({"each": axis.values.tolist()} if turns else {})
     return {**facts, "values": [str(value) for value in axis.values]}
 
 
@@ -292,6 +295,11 @@ def _axis_line(axis: Mapping[str, Any]) -> str:
         return ", ".join(listed) + (f", {len(names)} values" if listed != names else "")
     if axis["size"] == 1:
         return f"{axis['first']:g}{_unit(axis)}"
+    if "each" in axis and axis["size"] <= MOST_NAMES:
+        return f"{', '.join(f'{value:g}' for value in axis['each'])}{_unit(axis)}"
+    if "each" in axis:
+        low, high = min(axis["each"]), max(axis["each"])
+        return f"within {low:g} and {high:g}{_unit(axis)}, {axis['size']} values"
     return f"{axis['first']:g} to {axis['last']:g}{_unit(axis)}, {axis['size']} values"
 
 

@@ -9,7 +9,7 @@ from fiv_cli.analyses.catalogue import computed_by
 from fiv_cli.case.words import variable_meant
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
-from fiv_cli.notation.names import pick
+from fiv_cli.notation.names import pick, suggest
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names, error_of, flag_names
 
@@ -45,7 +45,8 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     axes = [name for name in axes if name not in select.ragged_dims(dataset)]
     told = [*dict.fromkeys(n for name in names for n in (name, error_of(name)) if n in dataset)]
     held, alone = _rows(dataset, told, at)
-    counted = [str(dim) for dim in held[0].dims if str(dim) not in select.ragged_dims(dataset)]
+    told_by_axes = {dataset[name].dims[0] for name in axes} | {*select.ragged_dims(dataset)}
+    counted = [str(dim) for dim in held[0].dims if dim not in told_by_axes]
     columns = [*dict.fromkeys([*axes, *counted, *told])]
     return _lines(held, columns, told) + _lines(alone, columns, told, header=False)
 
@@ -88,7 +89,7 @@ def _rows(
     in_words = dataset.assign({name: _in_words(dataset[name]) for name in told})
     points = [name for name in told if name not in ragged]
     if not ragged:
-        part = select.subset(in_words, at)
+        part = select.subset(in_words, at, nearest=False)
         return [part[name] for name in points], []
     first = next(iter(ragged.values()))
     if any(rows.name != first.name for rows in ragged.values()) or any(
@@ -96,7 +97,7 @@ def _rows(
     ):
         raise UsageError(_in_rows_of_their_own(dataset, ragged, points, first))
     with_points = in_words.set_coords(points)
-    without = select.subset(in_words[points].where(first == 0), at)
+    without = select.subset(in_words[points].where(first == 0), at, nearest=False)
     held = [select.observations(with_points, name, at) for name in ragged]
     return held, [without[name] for name in points]
 
@@ -141,7 +142,8 @@ def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dat
     for name in names:
         if told := next(filter(None, (_without_error(name, one) for one in analyses.values())), ""):
             raise UsageError(told)
-        hints = [] if name in known else [variable_meant(name, known), computed_by(name)]
+        meant = variable_meant(name, known) or suggest(name, [*known])
+        hints = [] if name in known else [meant, computed_by(name)]
         if hint := "; ".join(filter(None, hints)):
             raise UsageError(f"there is no variable {name!r}; {hint}")
         pick(name, known, "variable", "fiv show FILE.nc")

@@ -501,7 +501,10 @@ def _seconds_of_first(analysis: AnalysisPlan, run: Try) -> float:
 
 
 def _run(analysis: AnalysisPlan, unit: Unit, stratum: Stratum, run: Try) -> None:
-    """Run a unit and note what it takes; where the point before it is given up, that point."""
+    """Run a unit and note what it takes; where the point before it is given up, that point.
+
+    Several points that are given up together may each be cheap: the first of them tells.
+    """
     segments = unit.segments
     if unit.lead is not None:
         ended = run((unit.lead,))
@@ -509,7 +512,11 @@ def _run(analysis: AnalysisPlan, unit: Unit, stratum: Stratum, run: Try) -> None
             _note(analysis, (unit.lead,), ended, stratum)
             return
         segments = (replace(segments[0], state=ended.result.states[0]),)
-    _note(analysis, segments, run(segments), stratum)
+    found = run(segments)
+    if found.result is None and len(segments) > 1:
+        segments = segments[:1]
+        found = run(segments)
+    _note(analysis, segments, found, stratum)
 
 
 def _note(
