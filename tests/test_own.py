@@ -650,3 +650,29 @@ def test_models_of_the_box_load_nothing_that_checks():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout.strip() == "['load']"
+
+
+def test_a_model_is_called_for_with_the_law_that_it_takes(capsys):
+    """What is told to type works as it stands."""
+    Path("law.py").write_text(bristle())
+    Path("my.py").write_text(re.sub(r'default_law="\S+?"', 'default_law="my-bristle"', MODEL))
+    Path("case.toml").write_text(CASE)
+    assert run(["check", "case.toml"]) == 3
+    given = "--with my.py --with law.py"
+    assert capsys.readouterr().err.endswith(f"\nnext: add {given}: fiv run case.toml {given}\n")
+    assert run(["check", "case.toml", *given.split()]) == 0
+
+
+@pytest.mark.parametrize(
+    ("body", "advice"),
+    [
+        ("abs(slip.v) * slip.N", "of a slip velocity slip.speed is |v|, slip.sign its sign"),
+        ("slip.N if slip.v > 0 else -slip.N", "slip.sign is the sign and slip.speed the modulus"),
+    ],
+)
+def test_a_law_is_told_what_has_the_sign_of_slip(body, advice, capsys):
+    law = law_template("my-law")
+    force = f"    force=lambda slip, p: {body},"
+    Path("law.py").write_text(re.sub(r"(?m)^    force=.*$", force, law, count=1))
+    assert run(["verify", "--with", "law.py"]) == 3
+    assert advice in capsys.readouterr().err

@@ -289,8 +289,9 @@ OF_STEADY_STATE = (*GROUNDS, *OF_MOTION, TRANSIENT_USED)
 """How a steady state was reached, and how far to trust its class."""
 
 _NO_WAY = (
-    "zero for what contact determines: a slip velocity that sticks, and the transverse position "
-    "and velocity of a slider in rigid contact"
+    "1 for the way along the cycle where nothing outside beats time; zero for what contact "
+    "determines: a slip velocity that sticks, and the transverse position and velocity of a slider "
+    "in rigid contact"
 )
 MULTIPLIERS = (
     Variable("floquet_multiplier", "1", "modulus of the multiplier", "multiplier", comment=_NO_WAY),

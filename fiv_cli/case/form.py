@@ -40,7 +40,7 @@ from fiv_cli.models import all_models
 from fiv_cli.models.excitation import NAMES
 from fiv_cli.notation.names import axis_name, suggest, surely_meant
 from fiv_cli.notation.values import describe
-from fiv_cli.own.load import file_with, know_installed, know_table, to_mend
+from fiv_cli.own.load import files_with, know_installed, know_table, to_mend
 
 T = TypeVar("T", bound=BaseModel)
 V = TypeVar("V")
@@ -206,11 +206,11 @@ def _tables(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
 
 def own_file(word: str, report: Report) -> str:
     """That a file beside the case has what it names, which is then called for; empty: none has."""
-    file = file_with(word, report.source)
-    if file is None:
-        return ""
-    report.call_for(str(file))
-    return f"{file} has it; it is run where you say so{to_mend(file)}"
+    files = files_with(word, report.source)
+    for file in files:
+        report.call_for(str(file))
+    told = (f"{file} has it; it is run where you say so{to_mend(file)}" for file in files)
+    return next(told, "")
 
 
 def _refuse_misplaced_laws(friction: object, report: Report) -> None:

@@ -199,7 +199,10 @@ def _wanted(
     try:
         return _selected(name, kind, value, answers)
     except ValueError as error:
-        report.add(at, str(error), _SELECTS, _condition_meant(str(at[-1]), value))
+        together = f'[sweep] zip = [["{name}", "{value}"]] makes both advance together'
+        is_parameter = isinstance(value, str) and value in answers.physics.table()
+        meant = together if is_parameter else _condition_meant(str(at[-1]), value)
+        report.add(at, str(error), _SELECTS, meant)
         return None
 
 

@@ -150,7 +150,7 @@ def _without_its_model(path: Path) -> Entry | None:
     """What stands for a case whose model is in a file that was not named; None: it is another."""
     from fiv_cli.case.toml import parse_toml
     from fiv_cli.models import all_models
-    from fiv_cli.own.load import file_with
+    from fiv_cli.own.load import files_with
     from fiv_cli.reading.claims import NOT_RUN
 
     model = parse_toml(path.read_text(encoding="utf-8")).get("model")
@@ -158,10 +158,11 @@ def _without_its_model(path: Path) -> Entry | None:
     if (
         not isinstance(name, str)
         or name in all_models()
-        or not (file := file_with(name, str(path)))
+        or not (files := files_with(name, str(path)))
     ):
         return None
-    said = f"its model stands in {file}: fiv claims {path} --with {file}"
+    given = "".join(f" --with {file}" for file in files)
+    said = f"its model stands in {files[0]}: fiv claims {path}{given}"
     return Entry(str(path), f"model {name!r}", "not known here", NOT_RUN, said, "")
 
 

@@ -43,6 +43,8 @@ def without_series(place: Place, expression: Expr) -> Iterator[Fault]:
     found = {one for one in expression.atoms(Application) if one.func.__name__ not in UNARY}
     for one in sorted(found, key=str):
         hint = "what changes from one side to the other is a contact, or smooth: tanh"
+        if one.func in (sympy.Abs, sympy.sign):
+            hint = f"of a slip velocity slip.speed is |v|, slip.sign its sign; else {hint}"
         yield Fault(place, f"{shown(one)} has no series", f"+ - * / **, {listed(UNARY)}", hint)
 
 

@@ -109,6 +109,10 @@ def _advice(error: BaseException) -> str:
 
 
 def _advice_on_types(said: str) -> str:
+    if "truth value of Relational" in said:
+        return (
+            "of a slip velocity, slip.sign is the sign and slip.speed the modulus, no `if` is asked"
+        )
     if "expression to float" in said or "loop of ufunc" in said:
         return "functions of math and numpy take numbers alone: use those of sympy"
     if said == "'method' object is not subscriptable":

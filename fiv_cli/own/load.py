@@ -317,6 +317,16 @@ def file_with(name: str, case: str) -> Path | None:
     return min(found, key=lambda path: bool(to_mend(path)), default=None)
 
 
+def files_with(name: str, case: str) -> list[Path]:
+    """That file and, where it takes a law that another beside the case has, this one too."""
+    file = file_with(name, case)
+    if file is None:
+        return []
+    laws = re.findall(r"default_law=[\"']([^\"']+)", _text(file))
+    theirs = (file_with(law, case) for law in laws if law not in all_laws())
+    return list(dict.fromkeys([file, *(one for one in theirs if one is not None)]))
+
+
 def _has(path: Path, name: str) -> bool:
     try:
         text = path.read_text(encoding="utf-8", errors="replace")

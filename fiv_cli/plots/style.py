@@ -524,7 +524,8 @@ def _given_panel(axis: Axes, count: int, title: str, form: object) -> tuple[Figu
     """
     if count > 1 or form is not None:
         what = f"{count} panels" if count > 1 else "a panel of its own form"
-        raise UsageError(f"this figure needs {what}\nnext: leave `axis` out, or select one")
+        one = "take one: select={'initial': 'LABEL'}"
+        raise UsageError(f"this figure needs {what}\nnext: leave `axis` out, or {one}")
     axis.set_title(title if _LOOK.get().titled else "")
     return axis.figure.figure, [axis]
 

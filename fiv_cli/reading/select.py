@@ -115,7 +115,7 @@ def _matching_number(axis: xr.DataArray, wanted: float | str, nearest: bool) -> 
         return np.asarray(test(axis.values))
     value = _in_unit_of(axis, wanted)
     distance = np.abs(axis.values - value)
-    if nearest:
+    if nearest and axis.dtype.kind == "f":  # what is counted has no nearest
         return distance == np.min(distance)
     return distance <= SAME * abs(value)
 
