@@ -51,6 +51,10 @@ def plane(*lines: str) -> str:
     return figure('kind = "map"', *lines).replace("v = [0.5, 1.0]", "v = [0.5, 1.0]\nk = [1, 2]")
 
 
+def of_two(text: str) -> str:
+    return text.replace("belt-1dof", "belt-2mass")
+
+
 def problem(text: str) -> Problem:
     """The one problem of a case, when it is planned."""
     with pytest.raises(CaseError) as caught:
@@ -155,6 +159,24 @@ def test_what_will_be_there(text: str) -> None:
         (figure('kind = "curve"', 'y = "L_S"'), "figure.0.y", "did you mean 'L_s'"),
         (figure('kind = "curve"', "log = true", "xlim = [0, 1]"), "figure.0.xlim", "above 0"),
         (figure('kind = "curve"', 'log = "xz"'), "figure.0.log", "a curve has no shades"),
+        (figure('kind = "history"', "contact = 2"), "figure.0.contact", "is no contact 2"),
+        (of_two(figure('kind = "history"', "contact = [1, 0]")), "figure.0.contact", "contact 0"),
+        (of_two(figure('kind = "phase"', "contact = [1, 2]")), "figure.0.contact", "one contact"),
+        (
+            of_two(figure('kind = "history"', 'variable = "F_T_1"')),
+            "figure.0.variable",
+            'write variable = "F_T", contact = 1',
+        ),
+        (
+            of_two(claim("F_N2", "{ less_than = 1 }") + '[[analysis]]\nkind = "equilibrium"\n'),
+            "claim.0.variable",
+            'write variable = "F_N", at = { contact = 2 }',
+        ),
+        (
+            figure('kind = "curve"', 'variable = "growth_rate"', 'analysis = "response"'),
+            "figure.0.variable",
+            "the analysis 'response' does not compute 'growth_rate'",
+        ),
         (plane("level = 0.5"), "figure.0.level", "'attractor' holds classes"),
         (plane("level = { stable = 0.5 }"), "figure.0.level.stable", "have no level"),
         (plane("level = { growth = 0 }"), "figure.0.level.growth", "here it is 'growth_rate'"),

@@ -1500,6 +1500,36 @@ def test_sticks_of_other_contacts_are_marked_where_none_is_asked_for(kind):
     assert not any("sticks" in word for word in told[1] + told[2])
 
 
+def of_two_contacts():
+    """A motion on two contacts: 6 N of friction at the first, -1 N at the second."""
+    dataset = data.history(labels=("far",))
+    states = dataset["contact_state"].expand_dims(contact=[1, 2], axis=1)
+    forces = dataset["F_T"].expand_dims(contact=[1, 2], axis=1).copy()
+    forces[:, 1] = -1.0
+    return dataset.assign(contact_state=states, F_T=forces)
+
+
+FORCES = {"$F_T$ of contact 1 (N)": 6.0, "$F_T$ of contact 2 (N)": -1.0}
+
+
+@pytest.mark.parametrize("asked", [{}, {"contact": [1, 2]}, {"contact": 2}, {"contact": [1]}])
+def test_a_force_is_drawn_of_every_contact_that_is_not_left_out_each_by_its_name(asked):
+    drawn = draw(of_two_contacts(), figure("history", variable=["phi", "F_T"], **asked))
+    state, *of_contacts = drawn.axes
+    found = {ax.get_ylabel(): ax.lines[0].get_ydata()[0] for ax in of_contacts}
+    wanted = np.atleast_1d(asked.get("contact", [1, 2]))
+    assert found == {word: force for word, force in FORCES.items() if int(word[-5]) in wanted}
+    assert state.get_ylabel() == r"$\varphi$ (rad)"
+
+
+@pytest.mark.parametrize("contact", [1, 2])
+def test_a_loop_says_of_which_contact_its_force_is(contact):
+    loop = figure("phase", x="phi", y="F_T", contact=contact)
+    assert draw(of_two_contacts(), loop).axes[0].get_ylabel() == [*FORCES][contact - 1]
+    lines = figure("spectrum", variable="F_T", select={"contact": contact})
+    assert [*FORCES][contact - 1] in draw(of_two_contacts(), lines).axes[0].get_ylabel()
+
+
 def test_what_a_law_holds_in_stick_is_named_in_its_loop():
     dataset = data.history(labels=("far",))
     dataset = dataset.rename(phi="slip", phi_dot="slip_dot")

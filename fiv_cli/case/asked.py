@@ -5,6 +5,7 @@ A misspelt variable is told before anything is computed, not after.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
@@ -68,6 +69,8 @@ def drawn_of_motions(case: Case) -> list[str]:
 def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, report: Report) -> None:
     """Note what no analysis gives that a figure shows."""
     _check_scale(figure, place, report)
+    if figure.kind in ("history", "phase"):  # of others the key itself is refused
+        _check_contact(figure, get_model(case.model).contacts, (*place, "contact"), report)
     analysis = figure.settings.get("analysis")
     known = _known(case, held, analysis, figure.kind in OF_MOTIONS)
     if known and SHOWN.get(figure.kind, "status") not in known:
@@ -79,6 +82,7 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     key = "y" if figure.kind == "curve" and "variable" not in figure.settings else "variable"
     names = _named(figure.settings.get(key, [])) if known else []
     shown = _moving(known) if figure.kind == "history" else known
+    names = [n for n in names if not _of_another(n, analysis, known, held, (*place, key), report)]
     sound = [name for name in names if _check(name, shown, (*place, key), report)]
     for name in sound:
         places = _places(case, held, analysis, name)
@@ -225,7 +229,10 @@ def _known_of(
 ) -> Mapping[str, Variable | None]:
     """All that stands where a claim looks; nothing, and a note, where its variable does not."""
     known = _known(case, held, said.analysis, with_motions=False)
-    if not known or not _check(said.variable, known, (*place, "variable"), report):
+    asked = said.variable, said.analysis, known, held, (*place, "variable")
+    if not known or _of_another(*asked, report):
+        return {}
+    if not _check(said.variable, known, (*place, "variable"), report):
         return {}
     if said.take:
         _check_taken(said.take, said.variable, known, (*place, "take"), report)
@@ -426,6 +433,23 @@ def _known(
     return found
 
 
+def _of_another(
+    name: str,
+    analysis: str | None,
+    known: Mapping[str, Variable | None],
+    held: Held,
+    place: Path,
+    report: Report,
+) -> bool:
+    """Whether a variable is of other analyses of the case than the one that is named; notes it."""
+    homes = [one for one, own in held.items() if own and name in [v.name for v in own]]
+    is_other = bool(analysis and homes and known) and name not in known
+    if is_other:
+        message = f"the analysis {analysis!r} does not compute {name!r}"
+        report.add(place, message, " or ".join(f'analysis = "{home}"' for home in homes))
+    return is_other
+
+
 def _check(name: str, known: Mapping[str, Variable | None], place: Path, report: Report) -> bool:
     """Whether there is such a variable; notes where there is none."""
     if name not in known:
@@ -436,11 +460,28 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
             case, _, of_it = name.partition(":")
             told = f'what another case found is held against: expect = {{ less_than = "{name}" }}'
             told = f'case = "{case}", variable = "{of_it}"' if "expect" in place else told
-        meant = variable_meant(name, variables) or suggest(name, variables)
+        meant = _of_one_contact(name, known, place) or variable_meant(name, variables)
+        meant = meant or suggest(name, variables)
         if given := computed_by(name):
             meant = f"{meant or told}; {given}"
         report.unknown(place, message, name, variables, told if ":" in name else meant or told)
     return name in known
+
+
+def _of_one_contact(name: str, known: Mapping[str, Variable | None], place: Path) -> str:
+    """What to write for the value of a numbered contact, such as ``F_T_1``; "" for what is none."""
+    parts = re.fullmatch(r"(\w*?)_?(\d+)", name)
+    variable = known.get(parts[1]) if parts else None
+    if parts is None or variable is None or "contact" not in variable.dims:
+        return ""
+    if place[0] == "claim":
+        where = f"at = {{ contact = {parts[2]} }}"
+    elif "time" in variable.dims:
+        where = f"contact = {parts[2]}"
+    else:
+        where = f"select = {{ contact = {parts[2]} }}"
+    key = "variable" if place[0] == "claim" else place[-1]
+    return f'write {key} = "{parts[1]}", {where}'
 
 
 def _check_expected(
@@ -495,6 +536,16 @@ def _check_class(
 def _classes(variable: Variable | None) -> list[str]:
     """What a flag may say; nothing of a number."""
     return list(TABLES[variable.flags].codes) if variable and variable.kind == "flag" else []
+
+
+def _check_contact(figure: FigureSpec, contacts: int, place: Path, report: Report) -> None:
+    """Note contacts that the model has not, and several where one is drawn."""
+    said = figure.settings.get("contact", [])
+    numbers = said if isinstance(said, list) else [said]
+    for number in [one for one in numbers if not 1 <= one <= contacts]:
+        report.add(place, f"there is no contact {number}", f"1 to {contacts}")
+    if len(numbers) > 1 and figure.kind != "history":
+        report.add(place, f"a {figure.kind} shows one contact", "a figure for each")
 
 
 def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:

@@ -296,6 +296,13 @@ Names = Annotated[
     BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
     WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
 ]
+Contacts = Annotated[
+    list[int],
+    BeforeValidator(lambda value: value if isinstance(value, list) else [value]),
+    WithJsonSchema(
+        {"anyOf": [{"type": "integer"}, {"type": "array", "items": {"type": "integer"}}]}
+    ),
+]
 What = Literal[
     "share",
     "entries",
@@ -395,7 +402,11 @@ class FigureTable(Table):
         description="map: a line where its numbers have this value, or each of these; of any "
         "variables over its axes { growth_rate = 0, L_s = [1e-4, 1e-3] }",
     )
-    contact: int | None = Field(default=None, description="contact to draw, from 1")
+    contact: Contacts | None = Field(
+        default=None,
+        description="contact to draw, from 1; history: several, [1, 2]; default: what has a value "
+        "of each, of all",
+    )
     window: Interval | None = Field(default=None, description="stretch of time to draw, s")
     overlay: bool = Field(
         default=False,

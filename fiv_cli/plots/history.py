@@ -25,28 +25,31 @@ FEWEST_IN_COLUMN = 8  # ... where there are as many
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """A row for each variable, a column for each motion."""
+    """A row for each variable, of each contact that it has a value of; a column for each motion."""
     dataset = layers[0].dataset
     motions = motion.motions(dataset, settings)
     names = motion.variables(dataset, settings)
-    figure, axes = style.new_panels(len(names), len(motions), points.title(dataset), sharex="col")
+    rows = [
+        (name, own) for name in names for own in motion.of_each_contact(dataset, name, settings)
+    ]
+    figure, axes = style.new_panels(len(rows), len(motions), points.title(dataset), sharex="col")
     for number, ax in enumerate(axes):
         row, column = divmod(number, len(motions))
-        one = motions[column]
-        _panel(ax, one, names[row], settings, coarse=one.is_coarse(*names))
+        (name, own), one = rows[row], motions[column]
+        _panel(ax, one, name, own, coarse=one.is_coarse(*names))
         if row == 0:
             ax.set_title(motions[column].label)
         if column == 0:
-            ax.set_ylabel(labels.short_label(dataset[names[row]]))
-        if row == len(names) - 1:
+            ax.set_ylabel(motion.label_of(dataset[name], own))
+        if row == len(rows) - 1:
             ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
-    contact = motion.named_contact(dataset, settings)
-    others = [
-        Patch(label=words, **OTHER_STICKS) for words in motion.others_sticking(motions, settings)
-    ]
+    every = [own for _, own in rows]
+    contact = motion.named_contact(dataset, *every)
+    words = motion.others_sticking(motions, *every)
+    others = [Patch(label=word, **OTHER_STICKS) for word in words]
     what = "range of samples" if all(map(_is_dense, motions)) else "samples"
     told = [*others, *motion.sampled(motions, names, what)]
-    _legend(figure, axes, motion.states_present(motions, settings), told, contact)
+    _legend(figure, axes, motion.states_present(motions, *every), told, contact)
     return figure
 
 

@@ -62,10 +62,10 @@ def with_symbols(words: str) -> str:
     return NAME.sub(lambda match: f"${symbol_of_name(match[0])}$", words)
 
 
-def short_label(variable: xr.DataArray, name: str = "") -> str:
-    r"""Symbol and unit alone, for narrow axes: ``$\dot{\varphi}$ (rad/s)``."""
+def short_label(variable: xr.DataArray, name: str = "", of: str = "") -> str:
+    r"""Symbol, what it is `of`, and unit, for narrow axes: ``$\dot{\varphi}$ (rad/s)``."""
     unit = unit_text(str(variable.attrs.get("units", "1")))
-    words = quantity(variable, name or str(variable.name))
+    words = f"{quantity(variable, name or str(variable.name))}{of}"
     return f"{words} ({unit})" if unit else words
 
 

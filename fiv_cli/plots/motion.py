@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import points
+from fiv_cli.plots import labels, points
 from fiv_cli.reading import sampling, select
 from fiv_cli.reading.datasets import flag_names
 
@@ -198,7 +198,24 @@ def of_contact(array: xr.DataArray, settings: points.Settings) -> np.ndarray:
 def _contact(array: xr.DataArray, settings: points.Settings) -> int:
     """The number of the contact that is drawn: the figure's, else the first that is selected."""
     selected = array["contact"].values[0] if "contact" in array.coords else 1
-    return int(settings.get("contact", selected))
+    return int(np.atleast_1d(settings.get("contact", selected))[0])
+
+
+def of_each_contact(
+    dataset: xr.Dataset, name: str, settings: points.Settings
+) -> list[points.Settings]:
+    """The settings under which a variable is drawn: those of each contact where it has several."""
+    if "contact" not in dataset[name].dims:
+        return [settings]
+    numbers = settings.get("contact", dataset[name]["contact"].values.tolist())
+    return [{**settings, "contact": number} for number in np.atleast_1d(numbers).tolist()]
+
+
+def label_of(array: xr.DataArray, settings: points.Settings) -> str:
+    """Symbol and unit of a variable and, of a model of several contacts, which one it is of."""
+    several = "contact" in array.dims
+    of = f" of contact {_contact(array, settings)}" if several else ""
+    return labels.short_label(array, of=of)
 
 
 def places(motion: Motion) -> list[str]:
@@ -234,9 +251,10 @@ def sampled(every: Sequence[Motion], names: Sequence[str], what: str = "samples"
     return [points] if any(one.is_coarse(*names) for one in every) else []
 
 
-def states_present(every: Sequence[Motion], settings: points.Settings) -> list[str]:
-    """The contact states that occur, in their fixed order."""
-    seen = {name for motion in every for name, _, _ in contact_spans(motion, settings)}
+def states_present(every: Sequence[Motion], *settings: points.Settings) -> list[str]:
+    """The contact states that occur under some settings, in their fixed order."""
+    spans = (contact_spans(motion, own) for own in settings for motion in every)
+    seen = {name for one in spans for name, _, _ in one}
     return [name for name in CONTACT_STATES if name in seen]
 
 
@@ -254,13 +272,17 @@ def other_sticks(motion: Motion, settings: points.Settings) -> Iterator[tuple[in
                 yield contact, begin, end
 
 
-def others_sticking(every: Sequence[Motion], settings: points.Settings) -> list[str]:
+def others_sticking(every: Sequence[Motion], *settings: points.Settings) -> list[str]:
     """Legend entries of these sticks."""
-    seen = {contact for motion in every for contact, _, _ in other_sticks(motion, settings)}
+    sticks = (other_sticks(motion, own) for own in settings for motion in every)
+    seen = {contact for one in sticks for contact, _, _ in one}
     return [f"contact {contact} sticks" for contact in sorted(seen)]
 
 
-def named_contact(dataset: xr.Dataset, settings: points.Settings) -> str:
-    """Which contact the colours are about, where there are several."""
+def named_contact(dataset: xr.Dataset, *settings: points.Settings) -> str:
+    """Which contact the colours of panels are about, where there are several."""
     states = dataset["contact_state"]
-    return f"colours: contact {_contact(states, settings)}" if "contact" in states.dims else ""
+    if "contact" not in states.dims:
+        return ""
+    first, *others = dict.fromkeys(_contact(states, own) for own in settings)
+    return f"colours: contact {first}" + ", or that of the panel" * bool(others)

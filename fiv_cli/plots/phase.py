@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from fiv_cli.plots import labels, motion, points, style
+from fiv_cli.plots import motion, points, style
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,8 +36,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _panel(axes[0 if shared else number], one, names, settings)
     for ax, one in zip(axes, motions, strict=False):
         ax.set_title("" if shared else one.label)
-        ax.set_xlabel(labels.short_label(dataset[names[0]]))
-    axes[0].set_ylabel(labels.short_label(dataset[names[1]]))
+        ax.set_xlabel(motion.label_of(dataset[names[0]], settings))
+    axes[0].set_ylabel(motion.label_of(dataset[names[1]], settings))
     present, contact = (
         motion.states_present(motions, settings),
         motion.named_contact(dataset, settings),

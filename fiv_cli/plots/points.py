@@ -48,7 +48,7 @@ class Settings(TypedDict, total=False):
     select: Mapping[str, object]
     take: Mapping[str, Any]
     level: float | list[float] | Mapping[str, float | list[float]]
-    contact: int
+    contact: int | list[int]
     window: tuple[float | str, float | str]
     overlay: bool
     log: bool | str

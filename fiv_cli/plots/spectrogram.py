@@ -92,7 +92,7 @@ def _of_motions(dataset: xr.Dataset, settings: points.Settings) -> tuple[list[Pa
             f"{len(panels)} panels in one figure are too many\n"
             "choose a motion with `select` in the figure, or give the history fewer points"
         )
-    return panels, f"amplitude of {labels.short_label(dataset[name])}"
+    return panels, f"amplitude of {motion.label_of(dataset[name], settings)}"
 
 
 def _curves(

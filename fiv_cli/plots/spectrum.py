@@ -189,13 +189,13 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     for number, (one, name) in enumerate(shown):
         values = motion.of_contact(one.data[name], settings)
         frequency, height = amplitude_spectrum(one.time, values)
-        label = points.joined(one.label, labels.short_label(dataset[name]))
+        label = points.joined(one.label, motion.label_of(dataset[name], settings))
         width = 0.8 * (1 + (len(shown) - 1 - number) / len(shown))  # one is seen behind another
         colour = style.line_colours(len(shown))[number]
         ax.plot(frequency * factor_of(settings), height, color=colour, label=label, lw=width)
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(
-        "amplitude" + (f" of {labels.short_label(dataset[names[0]])}" * (len(names) == 1))
+        "amplitude" + (f" of {motion.label_of(dataset[names[0]], settings)}" * (len(names) == 1))
     )
     ax.margins(x=0)
     points.scale(ax, settings)
