@@ -177,6 +177,29 @@ def test_what_will_be_there(text: str) -> None:
             "figure.0.variable",
             "the analysis 'response' does not compute 'growth_rate'",
         ),
+        (
+            figure('kind = "bifurcation"', 'variable = "x_max"'),
+            "figure.0.variable",
+            'kind = "curve" shows x_max along an axis; every value at which x turns back: '
+            'observe = "x" and section = { zero = "x_dot" }',
+        ),
+        (
+            figure('kind = "bifurcation"', 'variable = "L_s"'),
+            "figure.0.variable",
+            'kind = "curve" shows L_s along an axis',
+        ),
+        *(
+            (
+                figure(f'kind = "{kind}"', f'{key} = "section_value"'),
+                f"figure.0.{key}",
+                f'of a motion, which this figure shows kind = "{other}" shows section_value',
+            )
+            for kind, key, other in (
+                ("phase", "x", "bifurcation"),
+                ("phase", "variable", "bifurcation"),
+                ("history", "variable", "bifurcation"),
+            )
+        ),
         (plane("level = 0.5"), "figure.0.level", "'attractor' holds classes"),
         (plane("level = { stable = 0.5 }"), "figure.0.level.stable", "have no level"),
         (plane("level = { growth = 0 }"), "figure.0.level.growth", "here it is 'growth_rate'"),

@@ -81,7 +81,10 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         _check_phase(figure, known, place, report)
     key = "y" if figure.kind == "curve" and "variable" not in figure.settings else "variable"
     names = _named(figure.settings.get(key, [])) if known else []
-    shown = _moving(known) if figure.kind == "history" else known
+    shown = known
+    if figure.kind in ("history", "phase"):
+        shown = _moving(known)
+        names = [name for name in names if not _is_still(name, known, shown, (*place, key), report)]
     names = [n for n in names if not _of_another(n, analysis, known, held, (*place, key), report)]
     sound = [name for name in names if _check(name, shown, (*place, key), report)]
     for name in sound:
@@ -171,9 +174,33 @@ def _check_phase(
 ) -> None:
     """Note an axis of a phase portrait that does not vary along a motion."""
     moving = {name: variable for name, variable in known.items() if _moves(variable)}
-    for key in ("x", "y"):
-        if key in figure.settings:
-            _check(figure.settings[key], moving, (*place, key), report)
+    for key in [key for key in ("x", "y") if key in figure.settings]:
+        name, at = figure.settings[key], (*place, key)
+        if not _is_still(name, known, moving, at, report):
+            _check(name, moving, at, report)
+
+
+def _is_still(
+    name: str,
+    known: Mapping[str, Variable | None],
+    moving: Mapping[str, Variable | None],
+    place: Path,
+    report: Report,
+) -> bool:
+    """Whether a variable has other values than along a motion; notes what shows them."""
+    variable = known.get(name)
+    if variable is None or name in moving or variable.dims:
+        return False
+    message = f"{name!r} has no value at each instant of a motion, which this figure shows"
+    report.add(place, message, listed([*moving]), _shown_by(variable))
+    return True
+
+
+def _shown_by(variable: Variable) -> str:
+    """The kind of figure that shows a variable along an axis; "" where none does."""
+    kinds = {ragged: kind for kind, ragged in RAGGED.items() if kind != "map"}
+    kind = kinds.get(variable.ragged)
+    return f'kind = "{kind}" shows {variable.name} along an axis' if kind else ""
 
 
 def _moving(known: Mapping[str, Variable | None]) -> dict[str, Variable | None]:
@@ -349,9 +376,23 @@ def _check_drawn(
     elif variable is not None and figure.kind in RAGGED and RAGGED[figure.kind] != variable.ragged:
         wanted = "the values at a section" if RAGGED[figure.kind] else "one value at each point"
         message = f"{name!r} cannot be drawn as a {figure.kind}, which shows {wanted}"
-        report.add(place, message, _drawable(known, RAGGED[figure.kind]))
+        meant = _shown_by(variable) + _at_section(name, known)
+        report.add(place, message, _drawable(known, RAGGED[figure.kind]), meant)
     if places is not None and figure.kind not in OF_MOTIONS and take:
         places.check_over(take["over"], variable, (*table, "take", "over"), report)
+
+
+def _at_section(name: str, known: Mapping[str, Variable | None]) -> str:
+    """How the extremes of a state come to be the values at a section; "" of what is none."""
+    state = re.sub("_(min|max)$", "", name)
+    if state == name or f"{state}_dot" not in map(_stem, known) or "section_value" not in known:
+        return ""
+    section = f'observe = "{state}" and section = {{ zero = "{state}_dot" }}'
+    return f"; every value at which {state} turns back: {section} in the analysis"
+
+
+def _stem(name: str) -> str:
+    return re.sub("_(min|max|rms)$", "", name)
 
 
 def _refuse_motion(kind: str, name: str, held: Held, place: Path, report: Report) -> None:
