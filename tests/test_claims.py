@@ -17,10 +17,18 @@ from hypothesis import strategies as st
 from synthetic_datasets import claim, tried
 
 from fiv_cli import api
+from fiv_cli.case.kinds import CLAIMS
 from fiv_cli.cli.claims import Entry, case_files, command, lines
 from fiv_cli.errors import UsageError
 from fiv_cli.reading import select
-from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED, evaluate, tally
+from fiv_cli.reading.claims import (
+    CONFIRMED,
+    CONTRADICTED,
+    HANDFUL,
+    UNDETERMINED,
+    evaluate,
+    tally,
+)
 
 MU_K = np.arange(1, 11) / 10
 
@@ -451,6 +459,30 @@ def test_a_share_of_random_starts_has_a_standard_error(labels, error):
     assert verdict.verdict == CONFIRMED
     assert verdict.standard_error == error
     assert ("standard error 0.25" in verdict.found) == (error is not None)
+
+
+@pytest.mark.parametrize(
+    ("said", "named"),
+    [
+        ("period", "against period: 2"),
+        (
+            {"variable": "period", "at": {"initial": "b"}},
+            'against { variable = "period", at = { initial = "b" } }: 2',
+        ),
+    ],
+)
+def test_what_is_compared_with_is_told_whole(said, named):
+    dataset = data.response(["periodic"] * 2, [2.0, 2.0], data.axes(initial=["a", "b"]))
+    dataset["period"] = dataset["L_s"].copy()
+    assert named in tried(dataset, "L_s", {"value": said, "tolerance": 0.1}).found
+
+
+@pytest.mark.parametrize("told", [CLAIMS, command.help])
+def test_what_is_said_of_open_points_is_the_rule(told):
+    """A share that may be open, without a claim that is undetermined."""
+    words = " ".join(told.split())
+    assert f"no more than {HANDFUL * 100:g} % of those it is tried on" in words
+    assert "the rest decides, whatever they might hold" in words
 
 
 def test_what_occurs_nowhere_begins_nowhere():

@@ -54,6 +54,8 @@ SURVIVES = share_of(". > 0")
         ("stick_fraction", SURVIVES, [1.0, 0.5, 0.25]),
         ("attractor", share_of("not equilibrium"), [1.0, 0.5, 0.25]),
         ("attractor", share_of("chaotic"), [0.25, 0.0, 0.0]),
+        ("attractor", share_of(["chaotic"]), [0.25, 0.0, 0.0]),
+        ("attractor", share_of(["chaotic", "periodic"]), [1.0, 0.5, 0.25]),
         ("stick_fraction", share_of(". >= 0.3"), [1.0, 0.5, 0.0]),
         ("stick_fraction", SURVIVES | {"relative_to": {"Omega": 2.0}}, [2.0, 1.0, 0.5]),
         ("stick_fraction", SURVIVES | {"relative_to": {}}, [1.0, 0.5, 0.25]),
@@ -151,6 +153,27 @@ def test_intervals_that_overlap_leave_a_trend_open(failed, verdict):
     status = failed_at(2, slice(failed))  # 0.25 to 0.5 and to 1, after 0.5
     shares = plane(status=status).isel(Omega=[0, 2])
     assert tried(shares, "stick_fraction", "decreasing", take=SURVIVES).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("take", "told"),
+    [
+        (share_of(". > 0.1"), '2 without L_s (contact_lost 2) count as not ". > 0.1"'),
+        ({"what": "greatest", "over": ["psi_a"]}, "2 without L_s (contact_lost 2) are left out"),
+    ],
+)
+def test_decided_points_without_a_number_are_told_where_others_are_counted(take, told):
+    classes, lost = CLASSES.astype(object), (0, slice(2))
+    classes[lost] = "contact_lost"
+    dataset = plane(classes)
+    dataset["L_s"] = dataset["L_s"].where(classes != "contact_lost")
+    verdict = tried(dataset, "L_s", {"less_than": 9.0}, take=take)
+    assert told in verdict.found
+    elsewhere = tried(dataset, "L_s", {"less_than": 9.0}, {"Omega": 3.0}, take=take)
+    assert "without" not in elsewhere.found
+    assert "without" not in tried(plane(), "L_s", {"less_than": 9.0}, take=take).found
+    drawn = draw(dataset, FigureSpec("c", "curve", {"variable": "L_s", "take": take}))
+    assert told in drawn.get_suptitle()
 
 
 @pytest.mark.parametrize(

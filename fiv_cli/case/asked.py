@@ -561,8 +561,9 @@ def _check_taken(
         message = f"{name!r} is a number and has no classes"
         report.add((*place, "what"), message, "spread: the greatest less the least")
     elif classes and of:
-        _check_class(name, classes, of.removeprefix("not "), (*place, "of"), report)
-    elif of and not parse_condition(of):
+        for one in of if isinstance(of, list) else [of.removeprefix("not ")]:
+            _check_class(name, classes, one, (*place, "of"), report)
+    elif of and (isinstance(of, list) or not parse_condition(of)):
         message = f"{name!r} is a number and has no class {of!r}"
         report.add((*place, "of"), message, 'a condition such as ". > 0"')
 

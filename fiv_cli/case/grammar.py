@@ -256,10 +256,17 @@ def check_holds(said: object) -> str | float:
     return said
 
 
-def check_counted(text: str) -> None:
-    """ValueError unless `text`, what is counted, is a condition or a class."""
-    if not _CLASS.fullmatch(text) and not parse_condition(text):
-        raise ValueError(f'{text!r} is neither a condition such as ". > 0" nor a class')
+def check_counted(said: object) -> None:
+    """ValueError unless `said`, what is counted, is a condition, a class, or several classes."""
+    if isinstance(said, list) and said and all(isinstance(one, str) for one in said):
+        for one in said:
+            if parse_class(one).negated:
+                raise ValueError(f"{one!r} in a list of classes; name those that count")
+    elif not isinstance(said, str) or not (_CLASS.fullmatch(said) or parse_condition(said)):
+        raise ValueError(
+            f'{describe(said)} is neither a condition such as ". > 0" nor a class, or a list of '
+            "classes"
+        )
 
 
 # --- what stood in the cases of 0.1.0 -------------------------------------------------------------

@@ -167,8 +167,9 @@ claim on section_value speaks of each of them. A result narrows a claim to the v
 it is of a class: at = { attractor = "periodic" }, or ["periodic", "quasiperiodic"].
 
 What is taken of them, along one axis or several (`over`), grid or own: `fiv kinds take` lists it.
-`of` is a condition on a number (". > 0"), and "CLASS" or "not CLASS" of a class; `relative_to`
-gives a share over that at another point, a ratio of areas.
+`of` is a condition on a number (". > 0"), and "CLASS", "not CLASS" or a list of classes of a class;
+`relative_to` gives a share over that at another point, a ratio of areas. A point that is decided
+and has no number (L_s where contact is lost) is none at which a condition holds; it is told.
 
 A border that was found is the last place of a class along an axis, or the first: it lies between
 that and the value beside it (at an end of the axis there is none; a `boundary` analysis bisects
@@ -204,10 +205,16 @@ To 5 % the frequency is that of the mode that grows, of `eigenvalues` in the sam
 A number that may be off, as that of a `boundary`, is held against what is expected with all of its
 error. A point that was not computed, or whose class is undecided, may hold anything: what is taken
 over such points is an interval (share_low, share_high), and a claim about it is decided where both
-ends say the same: one about a border is not while undecided points lie beside it. A map draws the
-line at which its numbers have a `level` (one or several), of an interval that of each end; with
-overlay = true the lines alone, all in one panel. Over a map of anything, classes too, lie lines of
-other variables of the case: level = { growth_rate = 0.0 }. A .csv of the figure has them all.
+ends say the same: one about a border is not while undecided points lie beside it. Otherwise such
+points leave a claim undetermined where they could turn it, unless they are no more than 0.5 % of
+those it is tried on: then the rest decides, whatever they might hold. A share over random starts is
+held as it was found: its standard error is told, and not allowed for (add two or three of them to a
+tolerance).
+
+A map draws the line at which its numbers have a `level` (one or several), of an interval that of
+each end; with overlay = true the lines alone, all in one panel. Over a map of anything, of classes
+too, lie lines of other variables of the case: level = { growth_rate = 0.0 }. A .csv of the figure
+has them all.
 
 Examples: configs/ch7/fig_7_13.toml, fig_7_06_exists.toml (borders), fig_7_15.toml (overlaid lines),
 configs/ch4/fig_4_15.toml (claims about motions and spectra).

@@ -320,6 +320,12 @@ COUNTED = ("share", "entries", "first", "last")
 ALONG_ONE = ("entries", "first", "last", "peak")
 
 
+Of = Annotated[
+    Any,
+    WithJsonSchema({"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}),
+]
+
+
 class TakeTable(Table):
     """One number in place of all that a variable holds along some axes."""
 
@@ -329,9 +335,10 @@ class TakeTable(Table):
         "comes to hold; first, last: where on the axis `of` holds; classes: how many there are"
     )
     over: Names = Field(description="axis, or axes, along which it is taken")
-    of: str | None = Field(
+    of: Of | None = Field(
         default=None,
-        description='share, entries, first, last: condition (". > 0"), a class, or "not CLASS"',
+        description='share, entries, first, last: condition (". > 0"), a class, or "not CLASS"; '
+        "a list of classes: any of them",
     )
     relative_to: dict[str, Quantity] = Field(
         default={}, description="axis -> value: the shares are over that at this point"
@@ -344,7 +351,7 @@ class TakeTable(Table):
                 f'{self.what} needs of: a class, "not CLASS", or a condition (". > 0")'
             )
         if self.what in COUNTED:
-            check_counted(self.of or "")
+            check_counted(self.of)
         elif self.of is not None:
             raise ValueError(f"of is for {', '.join(COUNTED)}; {self.what} is taken of all values")
         if not self.over or (self.what in ALONG_ONE and len(self.over) > 1):

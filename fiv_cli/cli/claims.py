@@ -53,11 +53,13 @@ def command(
 
     DIR (default: configs) stands for every case file in it. A claim is confirmed, contradicted
     or undetermined (points it needs are not computed or undecided, or may be off by more than what
-    is expected leaves); a case whose dataset is not there is "not run", with the command that
-    computes it. Nothing is computed here. With --set
-    or -o the dataset is the one that `fiv run` writes with the same. The last line counts the
-    points of the datasets that have no class, and why. The exit code is 0 whatever the verdicts,
-    unless --strict is given.
+    is expected leaves); of open points that are no more than 0.5 % of those it is tried on the
+    rest decides, whatever they might hold, and the finding counts them. A share is held as it is:
+    its standard error is told, and `expect` has to allow for it. A case whose dataset is not there
+    is "not run", with the command that computes it. Nothing is computed here. With --set or -o the
+    dataset is the one that `fiv run` writes with the same. The last line counts the points of the
+    datasets that have no class, and why. The exit code is 0 whatever the verdicts, unless --strict
+    is given.
 
     \b
     Examples:

@@ -225,8 +225,9 @@ def _checked(figure: FigureSpec) -> Settings:
 
 def _taken(dataset: xr.Dataset, settings: Settings) -> xr.Dataset:
     """The dataset as what the figure takes of its variable."""
-    how = settings["take"]
-    found = take.taken(dataset, points.one_variable(settings, "attractor"), how)
+    how, name = settings["take"], points.one_variable(settings, "attractor")
+    found = take.taken(dataset, name, how)
+    found = found.assign_attrs(without=take.without_value(dataset, name, how))
     return shares.with_standard_error(found, dataset, how, [*shares.drawn_of(dataset)])
 
 

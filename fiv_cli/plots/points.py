@@ -257,6 +257,7 @@ def title(dataset: xr.Dataset) -> str:
     changed = [labels.value_label(one, one.item()) for one in _set_by_hand(dataset)]
     words = [*(_alone(axis) for axis in alone), *changed, str(dataset.attrs.get("differs", ""))]
     words += ["settled"] * is_settled(dataset)
+    words.append(str(dataset.attrs.get("without", "")))
     return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
 
 

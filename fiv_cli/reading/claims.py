@@ -31,6 +31,7 @@ from fiv_cli.case.grammar import Bound, Bounds, OfClass, Reference, Trend
 from fiv_cli.case.identity import MOTION, default_output, is_of, output_of
 from fiv_cli.case.load import load_case
 from fiv_cli.case.others import file_of
+from fiv_cli.case.toml import toml_value
 from fiv_cli.data.hdf5 import read_attributes
 from fiv_cli.errors import FivError
 from fiv_cli.flags import NOT_COMPUTED
@@ -49,7 +50,7 @@ from fiv_cli.reading.datasets import (
     unknown_points,
 )
 from fiv_cli.reading.shares import ERROR, with_standard_error
-from fiv_cli.reading.take import taken
+from fiv_cli.reading.take import taken, without_value
 
 Analyses = Mapping[str, xr.Dataset]
 Stored = Callable[[str], Analyses]
@@ -321,6 +322,10 @@ def evaluate(
             trial = _between(trial, _try(claim, reaching, variable, stored))
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
+    if claim.take:
+        speaks_of = select.subset(dataset, on_axes, nearest=False)
+        lacking = without_value(speaks_of, claim.variable, claim.take)
+        trial = replace(trial, found=", ".join(filter(None, (trial.found, lacking))))
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
     if margin > 0.0:  # the share of a sample, and of one that is not all alike
         trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
@@ -577,7 +582,11 @@ def _try_bounds(
     values = _values(part, variable)
     least, greatest = (_bound(end, at, values, stored) for end in (expect.least, expect.greatest))
     bounds = (least, greatest)
-    against = dict.fromkeys(f"against {_span(bound)}" for bound in bounds if bound.low.ndim)
+    against = dict.fromkeys(
+        f"against {_named(said)}: {_span(bound)}"
+        for said, bound in zip((expect.least, expect.greatest), bounds, strict=True)
+        if isinstance(said, Reference)
+    )
     if expect.margin or expect.share:
         least = least.further(-expect.margin, -expect.share)
         greatest = greatest.further(expect.margin, expect.share)
@@ -586,6 +595,12 @@ def _try_bounds(
     found = ", ".join([f"found {_range(values, part[variable])}", *against])
     trial = values.trial(tried, found, as_found)
     return replace(trial, held=f"as expected: {_range(values, part[variable], trial.hit)}")
+
+
+def _named(said: Reference) -> str:
+    """What a claim compares with, whole, as a case writes it."""
+    given = {key: value for key, value in vars(said).items() if value not in ("", {}, None, 1.0)}
+    return said.variable if [*given] == ["variable"] else toml_value(given, "claim")
 
 
 def _within(value: _Ends, least: _Ends, greatest: _Ends, strict: bool) -> _Tried:

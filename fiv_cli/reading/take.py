@@ -14,6 +14,7 @@ error is none that is counted for sure.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +24,7 @@ import xarray as xr
 
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
+    class_names,
     error_of,
     flag_names,
     is_class,
@@ -54,8 +56,8 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     dataset : any dataset with a ``status``
     variable : what it is taken of; one value per place along each axis of ``over``
     take : ``what``, and the axes ``over``; for what is counted ``of``, a condition on numbers
-        (``". > 0"``) or a class (``"not equilibrium"``); for a share ``relative_to``, axis ->
-        value, the point whose share is one (or nothing)
+        (``". > 0"``), a class (``"not equilibrium"``) or a list of classes; for a share
+        ``relative_to``, axis -> value, the point whose share is one (or nothing)
 
     Returns
     -------
@@ -88,22 +90,40 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
 
-def _values(array: xr.DataArray, of: str) -> xr.DataArray:
+def without_value(part: xr.Dataset, variable: str, take: Mapping[str, Any]) -> str:
+    """How many decided points have no value, their classes, and how they are taken; "" of none.
+
+    What has axes of its own, such as crossings, has fewer values at some points by its nature.
+    """
+    array, status = numbers(part[variable]), part["status"]
+    lacking = array.isnull() & ~unknown_points(part, variable, allow_undecided=False)
+    if not set(array.dims) <= set(status.dims) or not lacking.any():
+        return ""
+    classes = part.get("attractor", status).transpose(*lacking.dims)
+    counts = Counter(class_names(classes)[lacking.values.ravel()].tolist())
+    listed = ", ".join(f"{name} {count}" for name, count in counts.most_common())
+    counted = f'count as not "{take["of"]}"' if take.get("of") else "are left out"
+    return f"{counts.total()} without {variable} ({listed}) {counted}"
+
+
+def _values(array: xr.DataArray, of: str | Sequence[str]) -> xr.DataArray:
     """The numbers; with `of` 1 where it holds, else 0, also where no value applies (NaN)."""
     if not of:
         return numbers(array)
-    if flag_names(array.attrs):
-        name = of.removeprefix("not ")
-        if name not in flag_names(array.attrs).values():
-            raise select.SelectionError(f"{name}: no class of {array.name}")
-        return (is_class(array, (name,)) != of.startswith("not ")).astype(float)
-    test = select.condition(of)
+    if known := flag_names(array.attrs).values():
+        negated = isinstance(of, str) and of.startswith("not ")
+        names = tuple(one.removeprefix("not ") for one in ([of] if isinstance(of, str) else of))
+        for name in names:
+            if name not in known:
+                raise select.SelectionError(f"{name}: no class of {array.name}")
+        return (is_class(array, names) != negated).astype(float)
+    test = select.condition(of) if isinstance(of, str) else None
     if test is None:
         raise select.SelectionError(f"{of}: no condition on {array.name}, such as '. > 0'")
     return array.copy(data=test(array.values).astype(float))
 
 
-def _blurred(dataset: xr.Dataset, variable: str, of: str) -> xr.DataArray:
+def _blurred(dataset: xr.Dataset, variable: str, of: str | Sequence[str]) -> xr.DataArray:
     """Where a condition holds of a value, and not of all that it may be within its error."""
     array, error = dataset[variable], dataset.get(error_of(variable))
     if error is None or not of:
@@ -182,6 +202,7 @@ def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> 
     A place is ``last disc speed that is periodic``.
     """
     name, of = str(array.name), take.get("of", "")
+    of = of if isinstance(of, str) else " or ".join(of)
     words = name if "symbol" in array.attrs else name.replace("_", " ")
     if "." in of:
         words = f"with {of.replace('.', words, 1)}"
