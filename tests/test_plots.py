@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from fiv_cli.case.case import FigureSpec
+from fiv_cli.cli.plot import Millimetres
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
 from fiv_cli.dynamics.settings import Section
@@ -2231,6 +2232,18 @@ def test_of_several_files_the_one_that_cannot_be_drawn_is_named(stored):
         UsageError, match=r"branch of all files: not written: bifurcation\.nc: no br"
     ):
         run(plot_command, *asked, "-o", "both.png")
+
+
+@pytest.mark.parametrize("given", ["84", "84mm", "84 mm", "8.4cm", "0.084 m", "8.4e1"])
+def test_a_width_is_a_number_of_mm_or_a_length(given):
+    assert Millimetres().convert(given, None, None) == pytest.approx(84.0)
+
+
+@pytest.mark.parametrize("given", ["84px", "mm", "", "84 kg", "nan", "84,5"])
+def test_a_width_that_is_no_length_is_told_the_unit(stored, given):
+    result = run(plot_command, "bifurcation.nc", "--width", given)
+    assert result.exit_code == 2
+    assert "is no length: a number of mm, 84, or one with its unit" in result.output
 
 
 def test_no_file_of_several_is_left_out_without_a_word(stored):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
+from string import ascii_letters
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -25,6 +26,26 @@ if TYPE_CHECKING:
 
 
 SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
+
+
+class Millimetres(click.ParamType):
+    """A number of millimetres, or a length with its unit: ``84``, ``84mm``, ``8.4 cm``."""
+
+    name = "MM"
+
+    def convert(
+        self, value: Any, parameter: click.Parameter | None, context: click.Context | None
+    ) -> float:
+        """The length, mm."""
+        from fiv_cli.notation.units import convert
+
+        text = str(value).strip()
+        number = text.rstrip(ascii_letters)
+        unit = text.removeprefix(number) or "mm"
+        try:
+            return 1e3 * convert(f"{number.strip()} {unit}", "m")
+        except ValueError:
+            self.fail(f"{value!r} is no length: a number of mm, 84, or one with its unit, 8.4cm")
 
 
 @click.command("plot")
@@ -63,8 +84,10 @@ SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
 @click.option(
     "--style", default="screen", help="What figures are for: screen, paper (90 mm, Times), talk."
 )
-@click.option("--width", type=float, metavar="MM", help="Width of the whole figure.")
-@click.option("--height", type=float, metavar="MM", help="Its height. Default: as it needs.")
+@click.option("--width", type=Millimetres(), metavar="MM", help="Width of the whole figure, mm.")
+@click.option(
+    "--height", type=Millimetres(), metavar="MM", help="Its height, mm. Default: as it needs."
+)
 @click.option("--font", metavar="NAME", help="Font family, one that is installed.")
 @click.option(
     "--title/--no-title", "titled", default=None, help="The title above. Default: not on paper."
