@@ -5,7 +5,7 @@ To add a reason: append a `Reason` to `REASONS` (never reorder: stored shards ho
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 NOT_COMPUTED = "not_computed"
@@ -88,8 +88,7 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "contact_lost",
-        "the normal force reached zero, where this model ends (where `fiv models NAME` has an "
-        "option `states`, that lets it go on in separation)",
+        "the normal force reached zero, where this model ends",
     ),
     Reason(
         "no_consistent_state",
@@ -117,8 +116,9 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "tests_disagree",
         "section points and Lyapunov exponent say different things of the motion: raise t_max "
-        "(tenfold decides some, seldom most, of such points), or choose a section at another "
-        "contact, where there is one",
+        "(tenfold decides some, seldom most, of such points), or choose another section: another "
+        'event, such as section = { event = "stick->slip" }, { zero = "x_dot" } for a displacement '
+        "x, or of another contact, where there is one",
     ),
     Reason(
         "chattering",
@@ -409,6 +409,18 @@ ADVICE_OF = {
 """(Reason, kind of analysis) -> what it means there, where it means several things."""
 
 
-def advice(name: str, kind: str = "") -> str:
-    """The sentence that says what to do about a reason, of an analysis of this kind."""
-    return ADVICE_OF.get((name, kind)) or REASONS[reason_code(name)].advice
+WITH_OPTION = {
+    ("contact_lost", "states"): "; its option `states` lets it go on in separation (fiv models "
+    "NAME)",
+}
+"""(Reason, option of a model) -> what more there is to do where the model has it."""
+
+
+def advice(name: str, kind: str = "", options: Collection[str] = ()) -> str:
+    """The sentence that says what to do about a reason, of an analysis of this kind.
+
+    `options` are those that the model has.
+    """
+    told = ADVICE_OF.get((name, kind)) or REASONS[reason_code(name)].advice
+    more = (WITH_OPTION.get((name, option), "") for option in options)
+    return "".join([told, *more])

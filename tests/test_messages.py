@@ -9,6 +9,7 @@ import pytest
 from small_cases import BELT
 
 from fiv_cli.cli.main import run
+from fiv_cli.flags import advice
 from fiv_cli.models import all_models
 
 CASE = """\
@@ -291,3 +292,16 @@ def test_an_option_given_again_though_one_counts(capsys: pytest.CaptureFixture[s
     assert said.err == "WARNING: --analysis is given 2 times; the last counts\n"
     assert run(["diff", "--set", "a", "--at", "v=1", "--at", "N=1", "--json", "--json"]) == 2
     assert "WARNING" not in capsys.readouterr().err
+
+
+def test_what_to_do_about_a_lost_contact_names_an_option_that_the_model_has() -> None:
+    """Every model that has the option, and no other."""
+    for model in all_models().values():
+        options = [option.name for option in model.options]
+        told = "`states`" in advice("contact_lost", "response", options)
+        assert told == ("states" in options)
+
+
+def test_where_tests_disagree_other_sections_are_named() -> None:
+    told = advice("tests_disagree", "response")
+    assert 'section = { event = "stick->slip" }' in told and '{ zero = "x_dot" }' in told

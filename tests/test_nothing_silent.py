@@ -306,7 +306,7 @@ def test_a_run_says_what_passes_what_its_equations_take_as_small(
 def test_a_chain_that_goes_on_in_any_case_is_not_told_to(going_on: bool, told: str) -> None:
     found = {"classes": {"periodic": 1}, "reasons": {"contact_lost": 1}, "said": {}, "still": ()}
     counted = {"found": (), "asked": 2, "open": 0, "filled": 0, "not_reached": 3, "beyond": ()}
-    answer = Answer("a", "response", **found, **counted, going_on=going_on)
+    answer = Answer("a", "response", options=(), **found, **counted, going_on=going_on)
     warning = list(answer.lines())[-1]
     assert warning.startswith("  WARNING: 3 points of a lie behind") and told in warning
     assert ("go-on" in warning) != going_on

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import re
 import subprocess
@@ -14,7 +15,8 @@ from own_models import CASE, MODEL
 
 from fiv_cli import api, trial
 from fiv_cli.case.identity import fingerprint
-from fiv_cli.cli.main import run
+from fiv_cli.cli.common import TAKE_FILES
+from fiv_cli.cli.main import COMMANDS, run
 from fiv_cli.errors import ModelFileError, StoreMismatchError
 from fiv_cli.friction import TANH_OF, all_laws
 from fiv_cli.models import all_models
@@ -78,6 +80,31 @@ def test_a_model_of_ones_own_is_listed_run_and_told_with_its_text(capsys):
     assert run(["new", "my-belt", "--with", "my.py"]) == 0
     assert 'law = "coulomb"' in capsys.readouterr().out
     assert "my-belt" not in all_models()
+
+
+def test_what_to_type_next_names_the_files_that_were_given(capsys):
+    Path("bad.toml").write_text(CASE.replace("my-belt", "my-bel"))
+    claim = '[[claim]]\nsource = "a"\ntext = "b"\nvariable = "L_s"\nexpect = { less_than = 1 }\n'
+    Path("case.toml").write_text(CASE + claim)
+    for command, said in (
+        ("check bad.toml --with my.py", "`fiv check --with my.py bad.toml`"),
+        ("check bad.toml --with=my.py", "`fiv check --with my.py bad.toml`"),
+        ("run bad.toml --with my.py", "`fiv check --with my.py bad.toml`"),
+        ("models my-bel --with my.py", "next: fiv models --with my.py, or fiv models --with my.py"),
+        ("claims case.toml --with my.py", "compute it with: fiv run case.toml --with my.py\n"),
+    ):
+        run(command.split())
+        told = capsys.readouterr()
+        assert said in told.out + told.err
+
+
+def test_the_commands_that_are_told_of_files_are_those_that_take_them():
+    taking = [
+        name
+        for name, (module, _) in COMMANDS.items()
+        if "own" in [one.name for one in importlib.import_module(module).command.params]
+    ]
+    assert sorted(taking) == sorted(TAKE_FILES)
 
 
 def test_a_case_alone_runs_no_code_and_says_what_to_type(capsys):
@@ -342,7 +369,8 @@ def test_a_law_that_shares_a_name_with_the_model_is_refused_with_it(
     Path("case.toml").write_text(CASE.replace("[grid]\n", f"{place}{table}[grid]\n{axis}"))
     assert run(["check", "case.toml", "--with", "my.py"]) == 3
     assert "law.py has it" in (err := capsys.readouterr().err)
-    assert err.endswith("\nnext: add --with law.py: fiv run case.toml --with law.py\n")
+    both = "fiv run --with my.py case.toml --with law.py"  # what was given stays
+    assert err.endswith(f"\nnext: add --with law.py: {both}\n")
     assert run(["check", "case.toml", "--with", "my.py", "--with", "law.py"]) == 3
     err = capsys.readouterr().err  # once, where the law is named; not at its table again
     said = f": 'my-bristle' and my-belt have {said}; give it another name in law.py"

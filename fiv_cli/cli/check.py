@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fiv_cli.cli.common import json_option, print_json, provide_cache, set_option, with_option
+from fiv_cli.cli.common import (
+    given_files,
+    json_option,
+    print_json,
+    provide_cache,
+    set_option,
+    with_files,
+    with_option,
+)
 from fiv_cli.errors import CaseError, FivError, printable
 
 if TYPE_CHECKING:
@@ -119,7 +127,7 @@ def _print(verdicts: Iterable[Verdict]) -> None:
             lines = [*verdict.plan, *more, *(one.line() for one in verdict.estimates)]
             click.echo(printable("\n".join(lines)))
         else:
-            click.echo(str(verdict.error), err=True)
+            click.echo(with_files(str(verdict.error), given_files()), err=True)
 
 
 def _document(verdict: Verdict) -> dict[str, object]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import math
 import re
+import shlex
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -36,12 +37,39 @@ set_option: Callable[[F], F] = click.option(
 )
 
 
+TAKE_FILES = (
+    *("assemble", "check", "claims", "history", "models", "new", "plot", "regress", "run"),
+    *("schema", "status", "variables", "verify"),
+)
+"""Commands that are told of models and laws in files."""
+
+
+def with_files(text: str, files: Iterable[str]) -> str:
+    """A message whose next commands are told of the files that this one was given."""
+    given = [f" --with {shlex.quote(file)}" for file in files]
+    return "\n".join(
+        _told_of(given, line) if line.startswith("next:") else line for line in text.split("\n")
+    )
+
+
+def _told_of(given: Iterable[str], line: str) -> str:
+    """A line whose commands have those options, too, that are not in it."""
+    added = "".join(one for one in given if one not in line)
+    command = rf"\bfiv (?:{'|'.join(TAKE_FILES)})(?![-\w])"
+    return re.sub(command, lambda match: match[0] + added, line)
+
+
 _NAMED = "fiv_cli.with"
 
 
 def named_files() -> bool:
     """Whether this command was given files of models or laws."""
     return _NAMED in click.get_current_context().meta
+
+
+def given_files() -> list[str]:
+    """The files of models and laws on the line of this command; not those of the environment."""
+    return list(click.get_current_context().meta.get(_NAMED, []))
 
 
 def _use(context: click.Context, option: click.Parameter, paths: Sequence[Path]) -> None:
@@ -55,7 +83,7 @@ def _use(context: click.Context, option: click.Parameter, paths: Sequence[Path])
         from fiv_cli.own.probe import use_files
 
         use_files(files)
-        context.meta[_NAMED] = True
+        context.meta[_NAMED] = [*map(str, paths)]
         context.call_on_close(lambda: use_files(()))
 
 

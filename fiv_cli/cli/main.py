@@ -11,6 +11,7 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NoReturn
 
 import click
@@ -248,11 +249,20 @@ def _explain(error: Exception, arguments: Sequence[str]) -> int:
         _show_use(error, instead)
         return USAGE
     if isinstance(error, FivError):
-        click.echo(str(error), err=True)
+        from fiv_cli.cli.common import with_files
+
+        click.echo(with_files(str(error), _given_files(arguments)), err=True)
         return error.exit_code
     if isinstance(error, OSError) and not _debugging(arguments):
         return _explain_storage(error)
     return _explain_internal(error, arguments)
+
+
+def _given_files(arguments: Sequence[str]) -> list[str]:
+    """The files of models and laws on a command line; those of the environment stay there."""
+    apart = (one.split("=", 1) if one.startswith("--with=") else [one] for one in arguments)
+    words = [word for parts in apart for word in parts]
+    return [after for word, after in pairwise(words) if word == "--with"]
 
 
 def _instead(error: click.NoSuchOption) -> str:

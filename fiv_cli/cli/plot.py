@@ -41,9 +41,9 @@ class Millimetres(click.ParamType):
 
         text = str(value).strip()
         number = text.rstrip(ascii_letters)
-        unit = text.removeprefix(number) or "mm"
+        unit = text.removeprefix(number)
         try:
-            return 1e3 * convert(f"{number.strip()} {unit}", "m")
+            return 1e3 * convert(f"{number.strip()} {unit}", "m") if unit else float(number)
         except ValueError:
             self.fail(f"{value!r} is no length: a number of mm, 84, or one with its unit, 8.4cm")
 

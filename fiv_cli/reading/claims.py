@@ -251,8 +251,10 @@ def _elsewhere(case: Case, path: Path) -> str:
 
 def _command(case: Case, name: str = "run") -> str:
     """What to type for the dataset of a case, or for what it says."""
+    files = dict.fromkeys(origin.path for origin in case.own.values() if origin.is_named)
+    added = "".join(f" --with {shlex.quote(path)}" for path in files)
     changed = "".join(f" --set {shlex.quote(line)}" for line in case.overrides)
-    return f"fiv {name} {case.source}{changed}"
+    return f"fiv {name} {case.source}{added}{changed}"
 
 
 def of_same_points(analyses: Analyses, case: Case) -> bool:

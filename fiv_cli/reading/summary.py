@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Container, Mapping
 from math import inf, prod
 from typing import TYPE_CHECKING, Any
@@ -168,7 +169,8 @@ def _advice(dataset: xr.Dataset, kind: str) -> dict[str, str]:
     """Reason -> what it means and what to do, of those that occur."""
     counts = _counts(dataset["reason"], dataset["status"].ndim) if "reason" in dataset else {}
     known = (name for name in counts if name in REASON.codes and name != "none")
-    return {name: advice(name, kind) for name in known}
+    options = json.loads(dataset.attrs.get("options_json", "{}"))
+    return {name: advice(name, kind, options) for name in known}
 
 
 def _is_number(dataset: xr.Dataset, name: str) -> bool:

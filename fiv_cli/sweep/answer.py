@@ -41,6 +41,7 @@ class Answer:
     Attributes
     ----------
     name, kind : of the analysis
+    options : names of those that the model has
     classes : class -> number of points, the most frequent first; empty where it tells none
     found : the numbers it is asked for, each with its range, where it tells no class
     reasons : reason why there is no better answer -> number of points, likewise; of those behind
@@ -57,6 +58,7 @@ class Answer:
 
     name: str
     kind: str
+    options: tuple[str, ...]
     classes: dict[str, int]
     found: tuple[str, ...]
     reasons: dict[str, int]
@@ -90,7 +92,7 @@ class Answer:
 
     def _reasons(self) -> Iterator[str]:
         for name, count in list(self.reasons.items())[:MOST_REASONS]:
-            yield f"    {name} {count}: {advice(name, self.kind)}"
+            yield f"    {name} {count}: {advice(name, self.kind, self.options)}"
             if name in self.said:
                 yield f"      {self.said[name]}"
         if len(self.reasons) > MOST_REASONS:
@@ -118,6 +120,7 @@ def _answer(journal: Journal, index: int) -> Answer:
     return Answer(
         name=analysis.layout.name,
         kind=analysis.layout.kind,
+        options=tuple(journal.plan.case.options),
         classes={name: count for name, count in classes.items() if name != "not_computed"},
         found=() if table else tuple(_found(journal, index)),
         reasons=reasons,
