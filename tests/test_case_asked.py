@@ -200,6 +200,11 @@ def test_what_will_be_there(text: str) -> None:
                 ("history", "variable", "bifurcation"),
             )
         ),
+        (
+            figure('kind = "curve"', 'select = { attractor = "periodic" }'),
+            "figure.0.select.attractor",
+            "is a result, and no axis what has a class is what a claim narrows itself to",
+        ),
         (plane("level = 0.5"), "figure.0.level", "'attractor' holds classes"),
         (plane("level = { stable = 0.5 }"), "figure.0.level.stable", "have no level"),
         (plane("level = { growth = 0 }"), "figure.0.level.growth", "here it is 'growth_rate'"),

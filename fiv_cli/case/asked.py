@@ -267,7 +267,8 @@ def _known_of(
     if places is None:
         return known
     beside = [one for one in held[places.name] or () if one.name not in places.own]
-    of_results = _check_narrowed(said, known, beside, (*place, "at"), report)
+    axes = [*places.grid, *places.own]
+    of_results = _check_narrowed(said, known, beside, axes, (*place, "at"), report)
     on_axes = {name: wanted for name, wanted in said.at.items() if name not in of_results}
     places.check(on_axes, (*place, "at"), report)
     if said.take:
@@ -281,6 +282,7 @@ def _check_narrowed(
     said: ClaimSpec | Reference,
     known: Mapping[str, Variable | None],
     beside: Sequence[Variable],
+    axes: Sequence[str],
     place: Path,
     report: Report,
 ) -> Sequence[str]:
@@ -295,7 +297,7 @@ def _check_narrowed(
             report.add(at, message, listed([v.name for v in beside if _classes(v)]))
         elif said.take or (isinstance(said, ClaimSpec) and isinstance(said.expect, Trend)):
             message = "a result narrows what is tried value by value, no trend and nothing taken"
-            report.add(at, message)
+            report.add(at, message, f"of axes: {listed(axes)}")
         elif not fits:
             report.add(at, f"{one.name!r} does not stand beside each value of {said.variable!r}")
         else:

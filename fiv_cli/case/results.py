@@ -180,7 +180,7 @@ def _selection(
             elif narrows:
                 found[name] = value
             else:
-                report.add(at, f"{name!r} is a result, and no axis", listed(known))
+                report.add(at, f"{name!r} is a result, and no axis", listed(known), NARROWS)
         elif isinstance(value, list):
             kept = (_wanted(name, kinds[name], one, answers, at, report) for one in value)
             found[name] = [one for one in kept if one is not None]
@@ -213,6 +213,10 @@ def _is_result(name: str, physics: Physics) -> bool:
     return not every_variable().keys().isdisjoint((name, of_states))
 
 
+NARROWS = (
+    'what has a class is what a claim narrows itself to, at = { attractor = "periodic" }, or '
+    'counts, take = { what = "share", of = "periodic", over = AXIS }'
+)
 _SELECTS = (
     'a number, a quantity ("20 rpm"), a condition on the value ".", such as ". >= 7", '
     "or a list of these"
