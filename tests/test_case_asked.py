@@ -265,3 +265,19 @@ def test_a_case_that_a_claim_compares_with_is_read_where_it_lies(tmp_path: Path)
         other.write_text(text)
         with pytest.raises(CaseError, match=words):
             load_case(this)
+
+
+def test_a_case_whose_line_a_map_draws_is_read_where_it_lies(tmp_path: Path) -> None:
+    this, other = tmp_path / "this.toml", tmp_path / "other.toml"
+    this.write_text(plane('variable = "attractor"', 'level = { "other:growth_rate" = 0.0 }'))
+    other.write_text(BELT)
+    (told,) = not_run(load_case(this))
+    assert told == f"a map draws a line of other, not run yet: fiv run {other}"
+    for name, words in (
+        ("growth", "no analysis of .*other.toml computes 'growth'"),
+        ("stable", "'stable' has no one number"),
+        ("damping_ratio", "'damping_ratio' has no one number"),
+    ):
+        this.write_text(plane('variable = "attractor"', f'level = {{ "other:{name}" = 0.0 }}'))
+        with pytest.raises(CaseError, match=words):
+            load_case(this)

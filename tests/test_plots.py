@@ -1237,6 +1237,27 @@ def test_of_several_modes_a_map_has_the_line_of_the_one_that_is_selected():
     assert (y + 8.0)[x < 9.5] == pytest.approx((4.0 * x)[x < 9.5])
 
 
+def test_a_map_has_lines_of_another_case_on_points_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    wanted = figure("map", variable="attractor", level={"fine:growth_rate": 0.0})
+    response = with_growth()["response"]
+    with pytest.raises(UsageError, match=r"runs/fine\.nc is not there\nnext: fiv run fine\.toml"):
+        draw(response, wanted)
+    fine = with_growth()["eigenvalues"].isel(Omega=slice(None, None, 2))
+    (tmp_path / "runs").mkdir()
+    fine.to_netcdf("runs/fine.nc")
+    drawn = draw(response, wanted)
+    x, y = on_the_lines(drawn).T
+    assert y == pytest.approx(4.0 * x)
+    assert "fine:growth rate = 0 rad/s" in legend_texts(drawn)
+    with pytest.raises(UsageError, match=r"no variable of runs/fine\.nc"):
+        draw(response, figure("map", variable="attractor", level={"fine:stable": 0.0}))
+    several = xr.concat([fine.expand_dims(initial=[n], axis=2) for n in "ab"], "initial")
+    several.to_netcdf("runs/starts.nc")  # of starts that are others than those of the map
+    with pytest.raises(UsageError, match="choose from initial with `select`"):
+        draw(response, figure("map", variable="attractor", level={"starts:growth_rate": 0.0}))
+
+
 def test_what_is_taken_has_lines_of_what_it_is_not_taken_of():
     take = {"what": "share", "of": "periodic", "over": ["initial"]}
     wanted = figure("map", variable="attractor", take=take, level={"share": 0.5, "growth_rate": 0})

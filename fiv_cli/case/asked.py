@@ -117,7 +117,7 @@ def _check_levels(
     known = _known(case, held, None, with_motions=False)
     taken = figure.settings.get("take", {}).get("what")
     axes = set()
-    for name in [name for name in of if known and name != taken]:
+    for name in [name for name in of if known and name != taken and ":" not in name]:
         place = (*at, name) if isinstance(said, dict) else at
         if _check(name, known, place, report):
             _check_line(name, known, figure, place, report)

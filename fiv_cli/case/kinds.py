@@ -213,8 +213,8 @@ tolerance).
 
 A map draws the line at which its numbers have a `level` (one or several), of an interval that of
 each end; with overlay = true the lines alone, all in one panel. Over a map of anything, of classes
-too, lie lines of other variables of the case: level = { growth_rate = 0.0 }. A .csv of the figure
-has them all.
+too, lie lines of other variables of the case: level = { growth_rate = 0.0 }, or of what another has
+found, "CASE:growth_rate". A .csv of the figure has them all.
 
 Examples: configs/ch7/fig_7_13.toml, fig_7_06_exists.toml (borders), fig_7_15.toml (overlaid lines),
 configs/ch4/fig_4_15.toml (claims about motions and spectra).

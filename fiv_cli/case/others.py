@@ -1,4 +1,4 @@
-"""Cases that the claims of a case compare with: they lie beside it."""
+"""Cases that the claims and figures of a case compare with: they lie beside it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from pathlib import Path
 
 from fiv_cli.analyses.variables import Variable
 from fiv_cli.case.asked import check_number, known_in, references_of
-from fiv_cli.case.case import Case, ClaimSpec
-from fiv_cli.case.grammar import Reference
+from fiv_cli.case.case import Case
 from fiv_cli.case.identity import output_of
 from fiv_cli.case.report import Path as Place
 from fiv_cli.case.report import Report
@@ -28,35 +27,57 @@ def not_run(case: Case) -> Iterator[str]:
     for name in dict.fromkeys(filter(None, named)):
         if not output_of(name).exists():
             yield f"a claim compares with {name}, not run yet: fiv run {file_of(name, case.source)}"
+    for name in dict.fromkeys(other for _, other, _ in _lines_of_others(case)):
+        if not output_of(name).exists():
+            file = file_of(name, case.source)
+            yield f"a map draws a line of {name}, not run yet: fiv run {file}"
+
+
+def _lines_of_others(case: Case) -> Iterator[tuple[Place, str, str]]:
+    """(place, case, variable) of each line of another case that a map draws."""
+    for index, figure in enumerate(case.figures):
+        level = figure.settings.get("level")
+        for name in level if isinstance(level, dict) else ():
+            other, colon, variable = name.partition(":")
+            if colon:
+                yield ("figure", index, "level", name), other, variable
 
 
 def check_others(case: Case, report: Report) -> None:
-    """Note every other case that a claim names and that is not there, and variables it lacks."""
+    """Note every other case that is named and that is not there, and variables it lacks."""
     for index, claim in enumerate(case.claims):
         for key, reference in references_of(claim).items():
-            if reference.case:
-                _check_other(claim, reference, ("claim", index, "expect", key), report)
+            place = ("claim", index, "expect", key)
+            other, variable = reference.case, reference.variable
+            found = _found(other, variable, place, report) if other else None
+            if found is not None:
+                check_number(found, claim, reference, place, report)
+    for at, name, variable in _lines_of_others(case):
+        line = _found(name, variable, at, report)
+        if line is not None and (line.kind == "flag" or line.ragged or line.dims):
+            message = f"{variable!r} has no one number at each point, and no level there"
+            report.add(at, message, "the level of one, such as growth_rate")
 
 
-def _check_other(claim: ClaimSpec, reference: Reference, place: Place, report: Report) -> None:
-    name, file = reference.case, file_of(reference.case, report.source)
+def _found(name: str, variable: str, place: Place, report: Report) -> Variable | None:
+    """The variable of another case, if that is there and has it; notes where it lacks it."""
+    file = file_of(name, report.source)
     if not _is_there(file):
         beside = sorted(one.stem for one in file.parent.glob("*.toml"))
         if not _is_there(output_of(name)):
             allowed = f"the name of a case beside this one, or of a dataset {output_of('NAME')}"
             report.add(place, f"there is no case {file}", allowed, suggest(name, beside), True)
-        return
+        return None
     try:
         known = _known(file)
     except (FivError, OSError, ValueError):
         report.add(place, f"{file} has mistakes", suggestion=f"fiv check {file}", of_name=True)
-        return
-    if reference.variable not in known:
+        return None
+    if variable not in known:
         variables = [one.name for one in known.values() if one is not None]
-        message = f"no analysis of {file} computes {reference.variable!r}"
-        report.unknown(place, message, reference.variable, variables)
-    elif (variable := known[reference.variable]) is not None:
-        check_number(variable, claim, reference, place, report)
+        message = f"no analysis of {file} computes {variable!r}"
+        report.unknown(place, message, variable, variables)
+    return known.get(variable)
 
 
 def _is_there(file: Path) -> bool:

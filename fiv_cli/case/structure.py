@@ -407,7 +407,7 @@ class FigureTable(Table):
     level: Levels | None = Field(
         default=None,
         description="map: a line where its numbers have this value, or each of these; of any "
-        "variables over its axes { growth_rate = 0, L_s = [1e-4, 1e-3] }",
+        'variables over its axes { growth_rate = 0, L_s = [1e-4, 1e-3], "CASE:growth_rate" = 0 }',
     )
     contact: Contacts | None = Field(
         default=None,

@@ -31,6 +31,7 @@ from fiv_cli.plots.labels import title_of
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
 from fiv_cli.reading.datasets import analysis_of, figures_in, read_analyses
+from fiv_cli.reading.lent import lent
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -261,7 +262,8 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     # a dataset that no figure of the kind suits is drawn anyway: the kind says what it lacks
     dataset = next((d for d in named if _holds(d, figure) and kind.suits(d)), named[0])
     selection = figure.settings.get("select", {})
-    beside = tuple(_selected(d, selection) for d in analyses.values() if d is not dataset)
+    others = [*(d for d in analyses.values() if d is not dataset), *lent(_lined(figure))]
+    beside = tuple(_selected(d, selection) for d in others)
     narrowed = select.subset if kind.suits(dataset) else _selected
     of_lines = _axes_of_lines(figure, beside) - {*select.axis_names(dataset)}
     own = {axis: selection[axis] for axis in selection if axis not in of_lines}
@@ -270,10 +272,14 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
 
 def _axes_of_lines(figure: FigureSpec, beside: Sequence[xr.Dataset]) -> set[str]:
     """The axes of other analyses of whose variables a map draws lines, such as their mode."""
-    level = figure.settings.get("level")
-    named = level.keys() if isinstance(level, Mapping) else set()
-    holding = [one for one in beside if named & {*map(str, one.data_vars)}]
+    holding = [one for one in beside if not {*map(str, one.data_vars)}.isdisjoint(_lined(figure))]
     return {axis for one in holding for axis in select.axis_names(one)}
+
+
+def _lined(figure: FigureSpec) -> Sequence[str]:
+    """The variables that a map names of which it draws lines."""
+    level = figure.settings.get("level")
+    return [*level] if isinstance(level, Mapping) else []
 
 
 def _own_first(analyses: dict[str, xr.Dataset], kind: str) -> list[xr.Dataset]:

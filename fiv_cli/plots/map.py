@@ -175,7 +175,8 @@ def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
             f"{name}: no variable of this dataset, whose level could be drawn\n"
             "next: `fiv show FILE.nc` says what it holds"
         )
-    dims, panels = dataset[name].dims, {dim for panel in planes.panels for dim in panel.index}
+    dims = dataset[name].dims
+    panels = {dim for panel in planes.panels for dim in panel.index if _same(dataset, planes, dim)}
     lacking = {*planes.dims} - {*dims}
     if lacking:
         raise UsageError(f"{name}: its level is no line, it has no value for each {min(lacking)}")
@@ -187,7 +188,16 @@ def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
             f"choose from {', '.join(several)} with `select` in the figure"
         )
     single = dataset.squeeze(further, drop=True)
-    return _Planes(single, single[name], planes.axes, planes.panels)
+    x, y = (select.axis_of(single, str(axis.name)) for axis in planes.axes)
+    return _Planes(single, single[name], (x, y), planes.panels)
+
+
+def _same(dataset: xr.Dataset, planes: _Planes, dim: str) -> bool:
+    """Whether a dataset, which may be of another case, has the values of a map along `dim`."""
+    if dim not in dataset.dims:
+        return False
+    one, other = (select.axis_of(of, dim).values for of in (dataset, planes.dataset))
+    return np.array_equal(one, other)
 
 
 def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:

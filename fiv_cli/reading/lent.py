@@ -1,0 +1,32 @@
+"""What a figure takes from the dataset of another case: variables over the same axes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from fiv_cli.case.identity import output_of
+from fiv_cli.errors import UsageError
+from fiv_cli.reading.datasets import read_analyses
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
+    """The variables called ``CASE:VARIABLE``, each in a dataset, under that name.
+
+    Raises
+    ------
+    UsageError : a case has not been run, or its dataset has no such variable
+    """
+    for name in [name for name in names if ":" in name]:
+        case, _, variable = name.partition(":")
+        path = output_of(case)
+        if not path.exists():
+            raise UsageError(f"{name}: {path} is not there\nnext: fiv run {case}.toml")
+        holding = (one for one in read_analyses(path).values() if variable in one.data_vars)
+        dataset = next(holding, None)
+        if dataset is None:
+            raise UsageError(f"{name}: no variable of {path}\nnext: fiv show {path}")
+        yield dataset[["status", variable]].rename_vars({variable: name})
