@@ -2,7 +2,7 @@
 
 import json
 import re
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 
 import numpy as np
 import pytest
@@ -25,11 +25,12 @@ from fiv_cli.flags import REASON, advice
 from fiv_cli.friction import get_law
 from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
 from fiv_cli.plots import labels as words
+from fiv_cli.plots.bifurcation import FINER
 from fiv_cli.plots.branch import stretches
 from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
-from fiv_cli.plots.style import BLACK, class_colours, dot_size, line_colours, tame_texts
+from fiv_cli.plots.style import BLACK, class_colours, dot_size, finer, line_colours, tame_texts
 from fiv_cli.reading.datasets import class_names, flag_names
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
@@ -212,6 +213,42 @@ def test_members_of_a_random_start_share_colour_and_legend_entry(kind):
     assert len({line.get_color() for line in ax.lines[:2]}) == 1
     assert not {"far-000", "far-001"} & set(legend_texts(ax))
     assert {line.get_linestyle() for line in ax.lines[:2]} == {"None"}
+
+
+def test_a_family_from_several_starts_has_its_colour_and_each_start_its_mark():
+    """The legend has each once; what reaches nothing is not in it."""
+    one = data.bifurcation()
+    gone = one.assign_coords(initial=["lost", "far"])
+    gone["section_row_size"] = gone["section_row_size"].where(gone["initial"] == "far", 0)
+    kept = np.repeat(one["initial"].values[None] == "far", one.sizes["Omega"], axis=0)
+    rows = np.repeat(kept.ravel(), one["section_row_size"].values.ravel())
+    gone = gone.isel(section_obs=rows)
+    (ax,) = draw([("soft", one), ("stiff", one), ("bare", gone)], figure("bifurcation")).axes
+    assert legend_texts(ax)[:5] == ["soft", "stiff", "bare", "near", "far"]
+    lines = {f"{line.get_label()}": line for line in ax.lines}
+    pairs = product(("soft", "stiff"), ("near", "far"))
+    drawn = [lines[f"_{family}, {start}"] for family, start in pairs]
+    colours, shapes = [one.get_color() for one in drawn], [one.get_marker() for one in drawn]
+    assert colours[0] == colours[1] != colours[2] == colours[3]
+    assert shapes[:2] == shapes[2:] and shapes[0] != shapes[1]
+    assert lines["soft"].get_color() == colours[0] and lines["far"].get_marker() == shapes[1]
+    assert not [word for word in legend_texts(ax) if "lost" in word and ":" not in word]
+
+
+def test_marks_of_a_dense_diagram_are_smaller():
+    few = data.bifurcation()
+    many = few.isel(section_obs=np.repeat(np.arange(few.sizes["section_obs"]), 40))
+    many["section_row_size"] = 40 * few["section_row_size"]
+    size, smaller = (marked(draw(one, figure("bifurcation"))) for one in (few, many))
+    assert finer(2_000) == 1.0 and finer(1_000_000) == 0.5
+    crowd = many.sizes["section_obs"]
+    assert crowd > 2_000
+    assert smaller / size == pytest.approx(FINER * finer(crowd))
+
+
+def marked(drawn):
+    """Size of the first marks that are there."""
+    return next(line.get_markersize() for line in drawn.axes[0].lines if len(line.get_xdata()))
 
 
 def resting():

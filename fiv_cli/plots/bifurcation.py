@@ -57,14 +57,15 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     holding = [layer for layer in layers if name in layer.dataset]
     shown = [layer for layer in holding if not branch.suits(layer.dataset)] or holding
     shown = shown if len(shown) > 1 else [replace(one, label="") for one in shown]
-    clouds = [cloud for layer in shown for cloud in _clouds(layer, name, settings)]
+    found = [cloud for layer in shown for cloud in _clouds(layer, name, settings)]
+    clouds = [cloud for cloud in found if cloud.y.size or cloud.rest_y.size]
     if not shown:
         raise UsageError(
             f"{name}: no values at a section in this dataset (or part of one)\n"
             "a bifurcation diagram needs a response analysis; draw another variable as a curve"
         )
     first = shown[0].dataset
-    points.refuse_empty(first, any(cloud.y.size or cloud.rest_y.size for cloud in clouds), name)
+    points.refuse_empty(first, bool(clouds), name)
     figure, (ax,) = style.new_panels(1, 1, points.title(first))
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     _refuse_of_none(layers, shown)
@@ -95,16 +96,23 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 class _Cloud:
     """One line of points: what their motions pass at the section, and where they are at rest.
 
-    `crowded` are the values at points that have many, `undecided` those of points of no class.
+    `family` says at which values of other axes, `start` from which start. `crowded` are the values
+    at points that have many, `undecided` those of points of no class.
     """
 
-    label: str
+    family: str
+    start: str
     x: np.ndarray
     y: np.ndarray
     crowded: np.ndarray
     undecided: np.ndarray
     rest_x: np.ndarray
     rest_y: np.ndarray
+
+    @property
+    def label(self) -> str:
+        """Where it is of which start."""
+        return points.joined(self.family, self.start)
 
 
 def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterator[_Cloud]:
@@ -127,9 +135,10 @@ def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterat
         ) & np.ones(y.shape, bool)
         still = rest.isel(line.index).values
         known = np.isfinite(still)
-        label = points.joined(layer.label, line.label)
+        values = [word for dim, word in line.words.items() if dim != "initial"]
+        family, start = points.joined(layer.label, *values), line.words.get("initial", "")
         at_section = x[place[dim][belongs]], y[belongs], crowded[belongs], undecided[belongs]
-        yield _Cloud(label, *at_section, x[known], still[known])
+        yield _Cloud(family, start, *at_section, x[known], still[known])
 
 
 def _observed(variable: xr.DataArray) -> str:
@@ -163,14 +172,16 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None
     Points at rest have a square in their mark, called `resting`; without a name they lie on lines
     of equilibria that say so, as marks like the others.
     """
-    entries = points.entries([cloud.label for cloud in clouds])
-    many = sum(cloud.y.size for cloud in clouds) > style.MANY_MARKS
+    entries = _entries(clouds)
+    count, crowd = sum(one.y.size for one in clouds), sum(int(one.crowded.sum()) for one in clouds)
+    many, size = count > style.MANY_MARKS, size * style.finer(count - crowd)
     sorts = 1 + max(entry.number for entry in entries)
+    _name_sorts(ax, clouds, entries, size)
     for cloud, entry in zip(clouds, entries, strict=True):
         crowded, undecided = cloud.crowded & ~cloud.undecided, cloud.undecided
         for part, finer, alpha, label in (
             (~crowded & ~undecided, 1.0, None, entry.label),
-            (crowded, FINER, None, points.unlisted(entry.label)),
+            (crowded, FINER * style.finer(crowd), None, points.unlisted(entry.label)),
             (undecided, FINER, PALE, points.unlisted(entry.label, "undecided")),
         ):
             look = style.mark_of(entry.number, sorts, finer * size) | {"color": entry.colour}
@@ -184,6 +195,37 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None
         ax.plot(*rest, label=DECORATION if resting else at_rest, zorder=2 if resting else 4, **own)
     if resting and any(cloud.rest_x.size for cloud in clouds):
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
+
+
+def _entries(clouds: Sequence[_Cloud]) -> list[points.Entry]:
+    """A sort of marks for each line; of families from several starts a colour for each family."""
+    families = [*dict.fromkeys(cloud.family for cloud in clouds)]
+    starts = [*dict.fromkeys(points.stem(cloud.start) for cloud in clouds)]
+    if min(len(families), len(starts)) < 2 or "" in starts:
+        return points.entries([cloud.label for cloud in clouds])
+    colours = dict(zip(families, style.line_colours(len(families)), strict=True))
+    return [
+        points.Entry(
+            colours[cloud.family], "-", points.unlisted(points.stem(cloud.label)),
+            starts.index(points.stem(cloud.start)), scattered=True,
+        )
+        for cloud in clouds
+    ]  # fmt: skip
+
+
+def _name_sorts(
+    ax: Axes, clouds: Sequence[_Cloud], entries: Sequence[points.Entry], size: float
+) -> None:
+    """Legend entries of families, by their colours, and of starts, by their marks."""
+    if any(not entry.label.startswith("_") for entry in entries):  # they name themselves
+        return
+    pairs = [*zip(clouds, entries, strict=True)]
+    for family, colour in {cloud.family: entry.colour for cloud, entry in pairs}.items():
+        ax.plot([], [], "s", mew=0.0, color=colour, label=family)
+    starts = {points.stem(cloud.start): entry.number for cloud, entry in pairs}
+    for start, number in starts.items():
+        look = style.mark_of(number, len(starts), size)
+        ax.plot([], [], ls="none", color=style.BLACK, label=start, **look)
 
 
 def _mark_other_sections(

@@ -74,10 +74,18 @@ class Layer:
 
 @dataclass(frozen=True)
 class Line:
-    """One combination of values along the dims that a figure does not spread out."""
+    """One combination of values along the dims that a figure does not spread out.
 
-    label: str
+    `words` has those of each dim that tells it from other lines.
+    """
+
     index: Mapping[str, int]
+    words: Mapping[str, str]
+
+    @property
+    def label(self) -> str:
+        """All of its words."""
+        return joined(*self.words.values())
 
 
 def grid_dims(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -239,11 +247,10 @@ def _line(
     groups: Sequence[Sequence[xr.DataArray]], dims: Sequence[str], place: Sequence[int]
 ) -> Line:
     words = [
-        word
+        joined(*labels.values_along([axis for axis in group if axis.size > 1], index))
         for group, index in zip(groups, place, strict=True)
-        for word in labels.values_along([axis for axis in group if axis.size > 1], index)
     ]
-    return Line(", ".join(words), dict(zip(dims, place, strict=True)))
+    return Line(dict(zip(dims, place, strict=True)), dict(zip(dims, words, strict=True)))
 
 
 def title(dataset: xr.Dataset) -> str:
@@ -307,21 +314,26 @@ class Entry:
     scattered: bool
 
 
+def stem(name: str) -> str:
+    """The name of a line without the number of a member of random starts."""
+    return RANDOM_MEMBER.sub("", name)
+
+
 def entries(names: Sequence[str]) -> list[Entry]:
     """An entry for each line; the members of a random start share one (``far-000`` is ``far``)."""
-    stems = [RANDOM_MEMBER.sub("", name) for name in names]
+    stems = [*map(stem, names)]
     distinct = list(dict.fromkeys(stems))
     colours = style.line_colours(len(distinct))
-    numbers = [distinct.index(stem) for stem in stems]
+    numbers = [distinct.index(own) for own in stems]
     return [
         Entry(
             colours[number],
             style.dash(number, len(distinct)),
-            unlisted(stem) if stem in stems[:place] else stem,
+            unlisted(own) if own in stems[:place] else own,
             number,
-            stem != names[place],
+            own != names[place],
         )
-        for place, (stem, number) in enumerate(zip(stems, numbers, strict=True))
+        for place, (own, number) in enumerate(zip(stems, numbers, strict=True))
     ]
 
 
@@ -401,7 +413,7 @@ def mark_gaps(
     rows = {row: here for row, x in found.items() if (here := _of_scale(ax, x)).size}
     for level, ((name, whose), x) in enumerate(rows.items()):
         marker, grey = GAP_MARKS[name]
-        colour = own.get(whose, grey)
+        colour = next((own[n] for n in own if f"{whose}, ".startswith(f"{n}, ")), grey)
         ax.plot(
             x, np.full(x.shape, LOWEST_GAP + GAP_ROW * level), marker, color=colour, ms=5,
             ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
@@ -449,7 +461,7 @@ def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarra
     """
     found: dict[str, np.ndarray] = {}
     for line in lines(mask.to_dataset(name="status"), [dim], [str(d) for d in mask.dims]):
-        name = RANDOM_MEMBER.sub("", joined(label, line.label))
+        name = stem(joined(label, line.label))
         here = mask.isel(line.index).values
         found[name] = found.get(name, False) | here
     some = {name: here for name, here in found.items() if here.any()}

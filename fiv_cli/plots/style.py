@@ -73,6 +73,7 @@ CLASSES = {
 
 PANEL = (6.4, 4.2)  # inches
 ROOMY = 60  # columns of dots across it that do not crowd
+DENSE = 2_000  # marks in a diagram
 # Beyond this a vector figure is slow to open: the marks become an image inside it.
 MANY_MARKS = 20_000
 LONGEST_TEXT = 600  # characters
@@ -544,6 +545,11 @@ def dot_size(columns: int, width: float = PANEL[0]) -> float:
     """Diameter (points) of the dots of a diagram, `width` inches wide, with so many columns."""
     roomy = ROOMY * min(1.0, width / PANEL[0])
     return min(2.8, max(1.1, 2.8 * math.sqrt(roomy / max(columns, 1))))
+
+
+def finer(marks: int) -> float:
+    """By how much smaller so many marks are than few: from `DENSE` on, down to half."""
+    return min(1.0, max(0.5, math.sqrt(DENSE / max(marks, 1))))
 
 
 def mark_of(number: int, count: int, size: float) -> dict[str, Any]:
