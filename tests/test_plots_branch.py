@@ -82,8 +82,14 @@ def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
     ends = np.array([one.get_segments()[0][:, 0] for one in bars])
     error = branches["cycle_highest_error"].values
     np.testing.assert_allclose(ends, branches["cycle_highest"].values + error * [-1.0, 1.0])
-    entries = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert entries[2:] == ["stable", "unstable", "grazing", "equilibrium"]
+    entries = [text.get_text() for text in ax.figure.legends[0].get_texts()]
+    happens = ["grazing", "ends at an equilibrium", "goes on beyond the bracket"]
+    assert entries[2:] == ["stable", "unstable", *happens]
+    written = {text.get_text(): text.xy for text in ax.texts}
+    assert {*written} == {"grazing", "equilibrium", "goes on"}
+    ends, kinds = branches["cycle_end"].values, words(branches["cycle_end_kind"])
+    for word, (at, _) in written.items():
+        assert at in ends[[kind == {"goes on": "bracket"}.get(word, word) for kind in kinds]]
     assert "least and greatest" in ax.get_ylabel()
 
 

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import labels, points, style
+from fiv_cli.plots import labels, levels, points, style
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names
 
@@ -23,8 +24,7 @@ ALONG = "branch_value"
 EXTREMES = ("branch_min", "branch_max")
 AT_SECTION = "branch_section"
 DASHES = {"stable": "-", "unstable": "--", "neutral": ":"}
-# What is not marked: an edge of the bracket, or where a closed branch began, says nothing of it.
-UNMARKED = ("bracket", "closed", "not_computed")
+UNMARKED = ("closed", "not_computed")  # where a closed branch began says nothing of it
 MARKS = {
     "fold": "o",
     "flip": "s",
@@ -35,7 +35,12 @@ MARKS = {
     "equilibrium": "*",
     "budget": "v",
     "other": "h",
+    "bracket": ">",
 }
+TOLD = {"equilibrium": "ends at an equilibrium", "bracket": "goes on beyond the bracket"}
+AT_MARK = {"bracket": "goes on"}
+ABOVE = 5.0  # a mark, pt: where its word begins
+EDGE = 0.12  # of the width of a panel: no word that begins so near a side reaches beyond it
 SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
 UNMET = "|"  # what the model asks of its parameters no longer holds
 
@@ -70,8 +75,27 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     greatest = labels.axis_label(first[EXTREMES[1]])
     ax.set_ylabel(greatest.replace("greatest", "least and greatest"))
     points.scale(ax, settings)
+    _write_words(ax, [(dataset, index) for _, dataset, index in named])
     points.legend([ax])
     return figure
+
+
+def _write_words(ax: Axes, named: Sequence[tuple[xr.Dataset, Mapping[str, int]]]) -> None:
+    """What happens at each mark, above it: where no word is yet that it would lie on."""
+    size, taken = mpl.rcParams["legend.fontsize"], np.zeros((0, 2))
+    ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
+    for dataset, index in named:
+        value, heights = _heights(dataset, index, at_section=False)
+        for place, at, _, kind in _marks(dataset, index, value):
+            word, where = AT_MARK.get(kind, kind.replace("_", " ")), (at, heights[:, place].max())
+            here = ax.transData.transform(where)
+            apart = np.abs(taken - here) * style.POINTS / (ax.figure.dpi * size)
+            if (apart > (levels.ROOM * style.LETTER * len(word), style.LINE)).any(axis=1).all():
+                across = ax.transAxes.inverted().transform(here)[0]
+                side = "left" if across < EDGE else "right" if across > 1.0 - EDGE else "center"
+                ax.annotate(word, where, (0.0, ABOVE), textcoords="offset points", ha=side,
+                            fontsize=size, path_effects=levels.HALO)  # fmt: skip
+                taken = np.vstack([taken, here])
 
 
 def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry) -> None:
@@ -97,7 +121,8 @@ def draw_marks(
     """A mark at each change and end of a branch, at the heights of the nearest of its cycles."""
     value, heights = _heights(dataset, index, at_section)
     for place, at, error, kind in _marks(dataset, index, value):
-        mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, kind.replace("_", " "))
+        mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, _words(kind))
+        mark = "<" if kind == "bracket" and at < value.mean() else mark
         for height in heights[:, place]:
             ax.plot(at, height, mark, color=colour, mec="white", mew=0.4, ms=size, zorder=4.5,
                     label=told)  # fmt: skip
@@ -231,5 +256,10 @@ def name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
     marks = MARKS | dict.fromkeys(sorted(kinds - {*MARKS, *UNMARKED}), UNMET)
     for word, mark in marks.items():
         if word in kinds:
-            label = word.replace("_", " ")
-            ax.plot([], [], mark, color=style.BLACK, mec="white", ms=6, ls="none", label=label)
+            ax.plot([], [], mark, color=style.BLACK, mec="white", mew=0.4, ms=6, ls="none",
+                    label=_words(word))  # fmt: skip
+
+
+def _words(kind: str) -> str:
+    """What a change or end is called in a legend."""
+    return TOLD.get(kind, kind.replace("_", " "))

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 ROOM = 1.5  # between levels written on lines, and at the ends of these, in lengths of the writing
+HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
 
@@ -104,7 +105,7 @@ def _name(ax: Axes, lines: QuadContourSet, level: float) -> None:
             chosen.append(piece[apart.argmax()])
             taken.append(along[apart.argmax()])
     for text_ in ax.clabel(lines, fmt={level: text}, fontsize=size, manual=chosen):
-        text_.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+        text_.set_path_effects(HALO)
 
 
 def _beside(plane: np.ndarray, level: float) -> str:

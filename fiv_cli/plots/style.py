@@ -377,9 +377,10 @@ def _outlines(ax: Axes) -> list[Outline]:
 
 
 def _marks(ax: Axes) -> np.ndarray:
-    """The points of a panel, in pixels, shape (n, 2)."""
+    """The points of a panel and the corners of its words, in pixels, shape (n, 2)."""
     places = [line.get_transform().transform(line.get_xydata()) for line in ax.lines]
-    return np.concatenate([np.zeros((0, 2)), *places])
+    written = [text.get_window_extent().corners() for text in ax.texts]
+    return np.concatenate([np.zeros((0, 2)), *places, *written])
 
 
 def make_room(figure: Figure, lines: int) -> None:
