@@ -10,7 +10,7 @@ import synthetic_datasets as data
 import xarray as xr
 from click.testing import CliRunner
 from matplotlib.collections import LineCollection, QuadMesh
-from matplotlib.colors import LogNorm, to_hex
+from matplotlib.colors import BoundaryNorm, LogNorm, to_hex
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -27,6 +27,7 @@ from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of,
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.bifurcation import FINER
 from fiv_cli.plots.branch import stretches
+from fiv_cli.plots.drawn import in_one_line
 from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
@@ -1127,6 +1128,49 @@ def test_numbers_of_motions_that_had_not_settled_are_marked_on_a_map():
     assert "undecided" in legend_texts(draw(dataset, figure("map")))  # there a class of its own
     decided = draw(dataset.isel(Omega=slice(1, None)), figure("map", variable="L_s"))
     assert not any(ax.lines for ax in decided.axes)
+
+
+@pytest.mark.parametrize(("most", "shades"), [(3, 4), (40, 256)])
+def test_counts_have_a_shade_each_where_they_are_few(most, shades):
+    dataset = data.stability_map()
+    dataset["n_solutions"] = (dataset["L_s"] / dataset["L_s"].max() * most).round()
+    drawn = draw(dataset, figure("map", variable="n_solutions"))
+    (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
+    assert len(np.unique(mesh.norm(np.linspace(0.0, most, 1000)))) == shades or most > 12
+    assert isinstance(mesh.norm, BoundaryNorm) == (most <= 12)
+    if most <= 12:
+        assert drawn.axes[-1].get_yticks().tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [(-0.5, "\N{MINUS SIGN}0.5"), (30.0, "30"), (1e7, "$10^{7}$"), (-1e-5, "$-10^{-5}$"),
+     (2.5e-4, "0.00025"), (-2.5e6, r"$-2.5 \times 10^{6}$"), (0.0, "0")],
+)  # fmt: skip
+def test_numbers_are_written_as_people_write_them_and_in_tables_as_programs_read_them(number, text):
+    assert words.number_text(number) == text
+    assert float(in_one_line(text)) == number
+
+
+@pytest.mark.parametrize("level", [-1e-3, 1e-3])
+def test_a_level_is_written_in_a_white_box(level):
+    dataset = data.stability_map(initial=("reached",), nx=60, ny=60)
+    dataset["L_s"] = np.sign(level) * dataset["L_s"]
+    (ax, *_) = draw(dataset, figure("map", variable="L_s", level=level)).axes
+    assert {one.get_text() for one in ax.texts} == {words.number_text(level)}
+    assert {to_hex(one.get_bbox_patch().get_facecolor()) for one in ax.texts} == {"#ffffff"}
+
+
+@pytest.mark.parametrize("kind", ["map", "history", "spectrum"])
+def test_a_figure_too_narrow_for_its_panels_says_how_wide_it_may_be(kind):
+    dataset = {"map": data.stability_map(), "history": data.history(), "spectrum": data.spectra()}
+    with pytest.raises(UsageError, match="next: --width") as refused:
+        draw(dataset[kind], figure(kind), look=look_of("paper", width=30.0))
+    wide = float(str(refused.value).split()[-1])
+    assert wide >= 40.0
+    assert draw(dataset[kind], figure(kind), look=look_of("paper", width=3.0 * wide)).axes
+    with pytest.raises(UsageError, match="leave --height out"):
+        draw(dataset[kind], figure(kind), look=look_of("screen", height=20.0))
 
 
 def test_the_axes_of_a_map_can_be_exchanged():

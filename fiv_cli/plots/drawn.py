@@ -52,7 +52,7 @@ def as_csv(figure: Figure, path: Path) -> str:
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(COLUMNS)
     for ax in figure.axes:
-        panel = [_in_one_line(word) for word in (ax.get_title(), *_axis_labels(figure, ax))]
+        panel = [in_one_line(word) for word in (ax.get_title(), *_axis_labels(figure, ax))]
         for series, line, points in _lines(ax):
             x, y = (_told(own, points[:, at]) for at, own in enumerate((ax.xaxis, ax.yaxis)))
             writer.writerows([*panel, series, line, *point] for point in zip(x, y, strict=True))
@@ -78,7 +78,7 @@ def _lines(ax: Axes) -> Iterator[tuple[str, int, np.ndarray]]:
     number = 0
     for artist in ax.get_children():
         label = str(artist.get_label())
-        series = "" if label.startswith(UNNAMED) else _in_one_line(label).removeprefix("_")
+        series = "" if label.startswith(UNNAMED) else in_one_line(label).removeprefix("_")
         for points in () if label == DECORATION else _pieces(artist, ax):
             number += 1
             yield series, number, points
@@ -119,8 +119,15 @@ def _told(axis: Axis, values: np.ndarray) -> list[float | str]:
     return [value if np.isfinite(value) else "" for value in values.tolist()]
 
 
-def _in_one_line(words: str) -> str:
+def in_one_line(words: str) -> str:
     r"""Words of a figure without their markup: ``c_1 = 0.1 N m s`` of ``$c_1$ = 0.1 N m s``."""
     words = re.sub(r"\\(d*)dot\{(.*?)\}(_\{.*?\}|_\w)?", r"\2\3_\1dot", words.replace("\n", " "))
+    words = re.sub(r"(?:([\d.]+) \\times |(?<![\w.]))10\^\{(-?\d+)\}", _plain_power, words)
+    words = words.replace("\N{MINUS SIGN}", "-")
     words = re.sub(r"\\(?:mathrm|mathit|,|;)", "", words.replace(r"\to", "->"))
     return re.sub(r"[${}\\]", "", words)
+
+
+def _plain_power(written: re.Match[str]) -> str:
+    """A power of ten as programs read it: ``2.5e-4``."""
+    return f"{written[1] or 1}e{written[2]}"

@@ -136,6 +136,15 @@ def _power(base: str, power: int) -> str:
     return base if power == 1 else f"{base}$^{{{power}}}$"
 
 
+def number_text(value: float) -> str:
+    r"""A number as people write it: ``−0.5``, ``30``, ``$10^{7}$``, ``$2.5 \times 10^{-4}$``."""
+    mantissa, _, exponent = f"{value:.6g}".partition("e")
+    if not exponent:
+        return mantissa.replace("-", "\N{MINUS SIGN}")
+    times = mantissa.removesuffix("1") if mantissa.strip("-") == "1" else rf"{mantissa} \times "
+    return f"${times}10^{{{int(exponent)}}}$"
+
+
 def value_label(axis: xr.DataArray, value: float | str) -> str:
     r"""One value of an axis: ``$N_0$ = 30 N``, ``$\beta$ = 15 deg``, or the label itself."""
     if axis.dtype.kind not in "fiu":
@@ -143,7 +152,7 @@ def value_label(axis: xr.DataArray, value: float | str) -> str:
     number, unit = float(value), unit_text(str(axis.attrs.get("units", "1")))
     if unit == "rad" and _whole_degrees(axis.values):
         number, unit = round(np.degrees(number)), "deg"
-    return f"{quantity(axis, str(axis.name))} = {number:.6g} {unit}".rstrip()
+    return f"{quantity(axis, str(axis.name))} = {number_text(number)} {unit}".rstrip()
 
 
 def values_along(axes: Sequence[xr.DataArray], index: int) -> list[str]:

@@ -91,8 +91,8 @@ def draw(
 
 def _name(ax: Axes, lines: QuadContourSet, level: float) -> None:
     """Write the level on each piece of its lines that has room beside what is written already."""
-    size, text = mpl.rcParams["legend.fontsize"], f"{level:g}"
-    room = ROOM * len(text) * style.LETTER * size * ax.figure.dpi / style.POINTS
+    size, text = mpl.rcParams["legend.fontsize"], labels.number_text(level)
+    room = ROOM * style.longest([text]) * style.LETTER * size * ax.figure.dpi / style.POINTS
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
     pixels = ax.transData.transform
     taken = [pixels(one.get_position()) for one in ax.texts]
@@ -105,7 +105,7 @@ def _name(ax: Axes, lines: QuadContourSet, level: float) -> None:
             chosen.append(piece[apart.argmax()])
             taken.append(along[apart.argmax()])
     for text_ in ax.clabel(lines, fmt={level: text}, fontsize=size, manual=chosen):
-        text_.set_path_effects(HALO)
+        text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
 
 
 def _beside(plane: np.ndarray, level: float) -> str:
@@ -186,7 +186,9 @@ def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> s
 
 def _words(array: xr.DataArray, level: float) -> str:
     unit = labels.unit_text(str(array.attrs.get("units", "1")))
-    return f"{labels.quantity(array, str(array.name))} = {level:g} {unit}".rstrip()
+    return (
+        f"{labels.quantity(array, str(array.name))} = {labels.number_text(level)} {unit}".rstrip()
+    )
 
 
 def _range(places: np.ndarray) -> tuple[float, float]:

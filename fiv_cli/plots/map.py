@@ -12,6 +12,7 @@ from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
+from fiv_cli.analyses.catalogue import named
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, levels, points, style
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 MOST_PANELS = 6
 MOST_COLUMNS = 3
 HATCH = "////"
+MOST_COUNTS = 12  # that have a shade each
 MIDDLE = "undecided points: middle of least and greatest"
 BELOW = "#DDDDDD"  # of numbers that have no logarithm
 
@@ -367,7 +369,10 @@ def _paint_numbers(
     values = numbers(planes.array).where(planes.computed)
     known = values.values[np.isfinite(values.values)]
     low, high = _ends(known, logarithmic)
-    norm = LogNorm(low, high) if logarithmic and low > 0.0 else Normalize(low, high)
+    counts = np.arange(low, high + 1.0)
+    whole = named(str(planes.array.name)).kind == "int"
+    counted = whole and len(counts) <= MOST_COUNTS and not logarithmic
+    norm = _norm(low, high, logarithmic=logarithmic, counted=counted)
     below = bool((known < low).any())
     colours = colormaps["cividis"].with_extremes(under=BELOW)
     for ax, panel in zip(axes, planes.panels, strict=False):
@@ -376,8 +381,9 @@ def _paint_numbers(
         image = planes.mesh(ax, shown, cmap=colours, norm=norm)
         hatch(ax, np.isnan(plane))
     figure.colorbar(
-        image, ax=list(axes), label=labels.axis_label(planes.array), extend="min" if below else None
-    )
+        image, ax=list(axes), label=labels.axis_label(planes.array),
+        extend="min" if below else None, ticks=counts if counted else None,
+    )  # fmt: skip
     if below:
         handles = [*handles, Patch(color=BELOW, label="0" if known.min() == 0.0 else "not above 0")]
     unbounded = bool((_unsure(planes)[MIDDLE] & values.isnull()).any())
@@ -388,6 +394,13 @@ def _paint_numbers(
     told = [*handles, *_mark_undecided(axes, planes, values.notnull())]
     if missing or told:
         legend_below(figure, told, missing)
+
+
+def _norm(low: float, high: float, *, logarithmic: bool, counted: bool) -> Normalize:
+    """Shades between two numbers; of counts one for each."""
+    if counted:
+        return BoundaryNorm(np.arange(low - 0.5, high + 1.0), colormaps["cividis"].N)
+    return LogNorm(low, high) if logarithmic and low > 0.0 else Normalize(low, high)
 
 
 def _ends(known: np.ndarray, logarithmic: bool) -> tuple[float, float]:

@@ -10,6 +10,7 @@ import io
 import math
 import re
 import textwrap
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -97,6 +98,7 @@ IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 MM = 1.0 / 25.4  # inches
 LEAST_PANEL = 14.4  # upright, in heights of letters
+NARROW_PANEL = 6.0  # in heights of letters: less holds no more than two ticks
 NARROWEST, WIDEST = 20.0, 2000.0  # mm
 
 
@@ -413,10 +415,31 @@ def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
     words = [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes]
     tame_texts(figure)
-    added = _set_words(figure, words, 0)
-    if _GIVEN.get() is None and clear_legends(figure):
-        _set_words(figure, words, added)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", "constrained_layout not applied")
+        try:
+            added = _set_words(figure, words, 0)
+            if _GIVEN.get() is None and clear_legends(figure):
+                _set_words(figure, words, added)
+        except UserWarning:  # the words leave nothing for the panels
+            raise _cramped(figure) from None
+    if _GIVEN.get() is None and _LOOK.get().width is not None and not _has_room(figure):
+        raise _cramped(figure)
     thicken(figure)
+
+
+def _has_room(figure: Figure) -> bool:
+    """Whether each panel is wide enough for two ticks."""
+    places = [ax.get_position() for ax in figure.axes if ax.get_subplotspec()]
+    least = NARROW_PANEL * _LOOK.get().size / POINTS
+    return all(place.width * figure.get_figwidth() >= least for place in places)
+
+
+def _cramped(figure: Figure) -> UsageError:
+    """That panels have no room for what they show, and what gives them more."""
+    width, height = (side / MM for side in figure.get_size_inches())
+    way = "leave --height out" if _LOOK.get().height else f"--width {10.0 * (width // 8.0 + 1.0):g}"
+    return UsageError(f"its panels have no room in {width:.0f} by {height:.0f} mm\nnext: {way}")
 
 
 def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int) -> int:
