@@ -16,8 +16,13 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import ColorType
 
 PARTS = ("eigenvalue_real", "mode_frequency")
+MOST_NAMED = 6  # modes in a legend: of more some, for their colours are a ramp
+# Mergers are interpolated between points of the grid: places that differ by less than this share of
+# the step between these are one.
+SAME = 0.01
 MARKED = 40  # unstable points of a line that have a mark, about
 
 
@@ -28,6 +33,8 @@ def suits(dataset: xr.Dataset) -> bool:
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A colour for each mode, a dash for each value of the other axes; unstable points marked.
+
+    The legend names each once.
 
     Where two modes merge a grey line stands: dotted, or with the dash of what it is of.
 
@@ -67,6 +74,7 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
     lines = points.lines(dataset, [dim], points.grid_dims(dataset))
     # the colour of unstable points is no mode's
     colours = [c for c in style.line_colours(len(modes) + 1) if c != style.VERMILLION]
+    drawn: dict[str, ColorType] = {}
     for number, line in enumerate(lines):
         part = dataset.isel(line.index)
         for (mode, name_of_mode), colour in zip(modes.items(), colours, strict=False):
@@ -74,12 +82,18 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             if not np.any(np.isfinite(y)):
                 continue  # under other options the model has more modes
             dash = style.dash(number, len(lines))
-            label = points.joined(name_of_mode, line.label)
+            label = points.unlisted(name_of_mode, line.label)
             ax.plot(x, y, ls=dash, color=colour, label=label)
+            drawn |= {name_of_mode: colour}
             unstable = np.flatnonzero(part[PARTS[0]].isel(mode=mode).values > 0.0)
             marked = unstable[:: max(1, x.size // MARKED)]
             ax.plot(x[marked], y[marked], "o", ms=2.6, color=style.VERMILLION, mew=0.0, zorder=4,
                     label=DECORATION)  # fmt: skip
+    for place in np.unique(np.linspace(0, len(drawn) - 1, MOST_NAMED).astype(int)):
+        ax.plot([], [], "-", color=[*drawn.values()][place], label=[*drawn][place])
+    for number, line in enumerate(lines if len(lines) > 1 else ()):
+        dash = style.dash(number, len(lines))
+        ax.plot([], [], ls=dash, color=style.BLACK, label=line.label)
     if np.any(dataset[PARTS[0]].values > 0.0):
         ax.plot([], [], "o", color=style.VERMILLION, mew=0.0, label="unstable")
 
@@ -89,8 +103,10 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
     if dataset.get("coupling_point", axis).attrs.get("along") != axis.name:
         return
     lines = points.lines(dataset, [str(axis.dims[0])], points.grid_dims(dataset))
-    found = {one.label: _places(dataset["coupling_point"].isel(one.index)) for one in lines}
-    alike = len({*map(tuple, found.values())}) == 1
+    x = np.sort(points.positions(axis))
+    found = {one.label: _places(dataset["coupling_point"].isel(one.index), x) for one in lines}
+    first, *others = found.values()
+    alike = all(len(one) == len(first) and _same(one, first, x).all() for one in others)
     told = [("", found[lines[0].label])] if alike else found.items()
     for line, (whose, places) in enumerate(told):
         dash = ":" if alike else style.dash(line, len(lines))  # as the modes of that line
@@ -100,8 +116,16 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
             ax.axvline(place, color=style.GREY, ls=dash, lw=1.0, zorder=1, label=label)
 
 
-def _places(merging: xr.DataArray) -> list[float]:
-    return np.unique(merging.values[np.isfinite(merging.values)]).tolist()
+def _places(merging: xr.DataArray, x: np.ndarray) -> np.ndarray:
+    """Where modes merge, by rising value: two pairs that do so at one place have one line."""
+    found = np.unique(merging.values[np.isfinite(merging.values)])
+    return found[np.append(True, ~_same(found[1:], found[:-1], x))[: found.size]]
+
+
+def _same(places: np.ndarray, others: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Which of two rows of places are the same: the difference is told in steps of the grid."""
+    steps = (np.interp(one, x, np.arange(float(x.size))) for one in (places, others))
+    return np.abs(np.subtract(*steps)) <= SAME
 
 
 def _modes(dataset: xr.Dataset) -> dict[int, str]:
