@@ -15,6 +15,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from small_models import BALL
 
+from fiv_cli import api
 from fiv_cli.analyses.base import Outcome, Section, SolverSettings, Start, Varied
 from fiv_cli.analyses.cycles.branch import (
     Continuation,
@@ -713,6 +714,39 @@ def test_the_half_turn_of_the_closed_form() -> None:
     assert speed_that_misses(0.1) == pytest.approx(1.866757460950, abs=1e-9)
     x, v = 1.7, 1.0
     assert x * cos(0.0) + v * sin(0.0) == x
+
+
+def return_above_the_belt(v: float, c: float) -> float:
+    """How far above the belt's speed v the mass comes that has let go at it: by SciPy, m/s."""
+    force = lambda slip: 10.0 * (0.25 + 0.15 * np.exp(-abs(slip)))  # noqa: E731
+    rates = lambda t, y: [y[1], force(v - y[1]) - c * y[1] - y[0]]  # noqa: E731
+    greatest = lambda t, y: rates(t, y)[1]  # noqa: E731
+    greatest.direction = -1  # type: ignore[attr-defined]
+    exact = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-13}
+    gone = solve_ivp(rates, (0.0, 3.0), [4.0 - c * v, v], **exact).y[:, -1]
+    found = solve_ivp(rates, (3.0, 9.0), gone, events=greatest, **exact)
+    return float(found.y_events[0][0][1] - v)
+
+
+@pytest.mark.parametrize(("c", "near"), [(0.03, 11.4), (0.05, 8.02), (0.1, 4.92)])
+@pytest.mark.parametrize("width", [1e-6, 1e-8, 1e-10])
+def test_stick_slip_under_a_falling_law_ends_within_the_error(
+    c: float, near: float, width: float
+) -> None:
+    """Its last cycles have next to no stick: one that does not close to it is none, and that which
+    begins there, without any, is unstable."""
+    end = brentq(lambda v: return_above_the_belt(v, c), near - 0.1, near + 0.1, xtol=1e-13)
+    asked = {"parameter": "v", "bracket": [0.25, 14.0], "width": width, "t_max": 1000.0}
+    asked |= {"section": {"zero": "x_dot", "direction": "down"}, "observe": "x"}
+    table = {"schema": 1, "model": {"name": "belt-1dof", "parameters": {"c": c}}}
+    table["friction"] = {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.25}
+    start = {"label": "rest", "kind": "state"}
+    found = api.run(
+        api.load(table | {"initial": [start], "analysis": [{"kind": "cycle", **asked}]}), workers=1
+    )
+    for name in ("cycle_highest", "stable_highest"):
+        told, error = (found[name + of].item() for of in ("", "_error"))
+        assert abs(told - end) <= error <= max(2.0 * width * 13.75, 2e-8)
 
 
 @pytest.mark.parametrize("width", [1e-7, 1e-8, 1e-9])

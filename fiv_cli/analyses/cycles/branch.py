@@ -48,6 +48,9 @@ FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-10  # lengths of a step along the bran
 ORDINARY = 1e-3  # a step as long as this is not about to meet an end
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
+OPEN = (
+    1e-10  # of a motion's extent, per unit of its multiplier: what does not close to it is no cycle
+)
 ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen ...
 BENT = 0.2  # ... and one of the same events
 STRAIGHT = 0.005  # share of it by which a cycle of another branch lies off at least ...
@@ -352,6 +355,8 @@ def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations
     moved = describe(problem, anchor_at(problem, motion), period) if motion and behind else None
     if motion is None or behind is None or moved is None:
         return None
+    if moved.residual > OPEN * max(1.0, moved.largest):  # its last correction led to other events
+        return None
     gone = unknowns - before.unknowns
     way = [motion.y - behind.y, gone[len(frame.scales) : -1] * frame.period, gone[-1:] * line.span]
     point = _framed(line, moved, value, np.concatenate(way))
@@ -563,8 +568,9 @@ def _again(line: Continuation, walk: _Walk, corner: End, end: End) -> End | None
     there = _round_corner(line, corner.last, []) if is_new and corner.last else None
     if there is None:
         return _one_corner(walk, corner, end)
-    walk.rounded.append(corner)
     walk.cut_at(corner)
+    walk.ends[-1] = replace(corner, goes_on=True, beyond=there)
+    walk.rounded.append(walk.ends[-1])
     walk.go_on_from(there)
     return None
 
@@ -613,6 +619,15 @@ def _passes(line: Continuation, first: Point, before: Point, here: Point) -> boo
         return False
     apart = np.abs(again.extremes - first.cycle.extremes) / again.scales
     return bool(np.max(apart) <= SAME)
+
+
+def openness(line: Continuation, here: Point) -> float:
+    """Change of the parameter that opens a cycle as far as this one is."""
+    found = _conditions(line, here.frame, here.unknowns)
+    jacobian = None if found is None else found.jacobian()
+    if jacobian is None:
+        return float("nan")
+    return here.cycle.residual * line.span / float(np.linalg.norm(jacobian[:, -1]))
 
 
 def is_close(line: Continuation, here: Point, length: float) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 
 from fiv_cli.analyses.cycles.branch import (
     FIRST,
+    LONGER,
     UNBOUND,
     Continuation,
     End,
@@ -20,11 +21,13 @@ from fiv_cli.analyses.cycles.branch import (
     closer,
     is_close,
     middle_of,
+    openness,
     step,
 )
 
 LOOSER = 10.0  # growth of the error of integration
-STEPS = 100  # in which it is found again
+STEPS = 2000  # in which it is found again; near a grazing many fail
+SLACK = 10.0  # times as much as opens the last cycle as far as it is: so far there may be none
 
 
 def end_error(line: Continuation, end: End) -> float:
@@ -36,7 +39,7 @@ def end_error(line: Continuation, end: End) -> float:
     again = _found_again(looser, end.well_before)
     if again is None:
         return float("nan")
-    apart = end.width + abs(again - end.value)
+    apart = end.width + abs(again - end.value) + SLACK * openness(line, end.last)
     return float(np.maximum(apart, _to_grazing(end.well_before, end.last)))
 
 
@@ -46,7 +49,7 @@ def _found_again(line: Continuation, here: Point) -> float | None:
     for _ in range(STEPS):
         there = step(line, here, length)
         if there is not None and there.character == here.character:
-            here = there
+            here, length = there, min(LONGER * length, FIRST)
             if here.value in line.bracket:
                 return None
         elif is_close(line, here, length):
