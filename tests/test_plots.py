@@ -1710,6 +1710,19 @@ def test_motions_are_drawn_through_the_instants_of_their_events(sample):
         np.testing.assert_allclose(np.min(np.abs(ends - corner).max(axis=1)), 0.0, atol=1e-12)
 
 
+def test_a_phase_portrait_points_in_the_direction_of_its_motion():
+    found = without_events(data.history(labels=("far",)))
+    (ax,) = draw(found, figure("phase")).axes
+    (arrow,) = ax.texts
+    (x, y), (next_x, _) = arrow.xyann, arrow.xy
+    assert y == pytest.approx(float(found["phi_dot"].max()), rel=1e-3)
+    assert next_x > x  # at the top phi grows
+    begun = found["time"] < 1.0
+    resting = found.assign({name: found[name].where(begun, 0.0) for name in ("phi", "phi_dot")})
+    (arrow,) = draw(resting, figure("phase")).axes[0].texts  # not where it rests
+    assert arrow.xyann[1] > 0.05
+
+
 def test_a_phase_portrait_of_other_states():
     (ax,) = draw(data.history(labels=("far",)), figure("phase", x="theta", y="phi")).axes
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\theta$ (rad)", r"$\varphi$ (rad)")
@@ -1825,6 +1838,9 @@ def test_harmonics_of_a_period_stand_where_they_are_and_not_in_the_middle_of_an_
     one["period"] = one["status"] * 0.0 + 1.0 / basic
     x, y = draw(one, figure("spectrum")).axes[0].lines[0].get_data()
     np.testing.assert_allclose(x, np.repeat([basic, 2 * basic], 3))
+    (word,) = draw(one, figure("spectrum", unit="rad/s")).axes[0].texts
+    assert word.get_text() == rf"$\omega_1$ = {2 * np.pi * basic:.4g} rad/s"
+    assert word.xy == pytest.approx((2 * np.pi * basic, 2e-3))
     np.testing.assert_array_equal(y, [0.0, 2e-3, np.nan, 0.0, 1e-3, np.nan])
     one["period"] = one["period"] * 0.0 + 2.0 / raster  # several harmonics in each interval
     assert draw(one, figure("spectrum")).axes[0].lines[0].get_xdata().size == heights.size

@@ -20,8 +20,13 @@ if TYPE_CHECKING:
 suits = motion.suits
 FEWEST_SMOOTH = 4  # samples of a stretch that a spline is put through
 FINER = 6
+SEEN = 0.05  # share of the extent of a curve that is more than a dot in it
 OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": (0, (1, 1.5)), "lw": 2.0, "zorder": 3}
 
+HEAD: dict[str, Any] = {
+    "arrowstyle": "-|>", "mutation_scale": 10.0, "color": style.BLACK, "lw": 0.0,
+    "shrinkA": 0.0, "shrinkB": 0.0,
+}  # fmt: skip
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
@@ -114,6 +119,8 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
         stretches.setdefault(state, []).append(path.between(begin, end))
     for state, pieces in stretches.items():
         path.draw(ax, pieces, points.joined(one.label, state), color=style.CLASSES[state], lw=1.0)
+    if not path.is_coarse:
+        _point_onwards(ax, path.points)
     for contact, begin, end in motion.other_sticks(one, settings):
         stick = points.unlisted(one.label, f"contact {contact} sticks")
         path.draw(ax, [path.between(begin, end)], stick, **OTHER_STICKS)
@@ -126,6 +133,17 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
         ax.plot([0.0, 0.0], [-held, held], label=stick, **HELD)
     ax.autoscale_view()
     points.scale(ax, settings)
+
+
+def _point_onwards(ax: Axes, path: np.ndarray) -> None:
+    """An arrowhead in the direction of the motion, at the top of its curve: where that is seen in
+    the second half, which is nearer to a closed one, there."""
+    halves, extent = (path[len(path) // 2 :], path), np.ptp(path, axis=0)
+    late = next(half for half in halves if (np.ptp(half, axis=0) >= SEEN * extent).all())
+    top = int(np.argmax(late[:-1, 1]))
+    onwards = np.flatnonzero((late[top:] != late[top]).any(axis=1))  # an event has two instants
+    if onwards.size:
+        ax.annotate("", late[top + onwards[0]], late[top], arrowprops=HEAD)
 
 
 def _held(one: motion.Motion, names: tuple[str, str]) -> float:

@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import LogNorm
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import labels, motion, points, style
+from fiv_cli.plots import labels, levels, motion, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import is_class, numbers
@@ -24,7 +25,9 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import ColorType
 
+FREQUENCIES = {"Hz": ("f", "Hz"), "rad/s": (r"\omega", "rad/s")}  # symbol, unit
 STEADY, GROWING = "amplitude", "unstable_frequency"
 NO_SPECTRUM = ("diverged", "contact_lost")
 WINDOW = "hann"
@@ -143,6 +146,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         width = 0.8 * (1 + (len(lines) - 1 - number) / len(lines))  # one is seen behind another
         x = frequency * factor_of(settings)
         ax.plot(x, height, color=colour, label=line.label, lw=width)
+        _name_fundamental(ax, dataset.isel(line.index), (x, height), colour, settings)
     growing = np.unique(dataset[GROWING].values) if GROWING in dataset else np.zeros(0)
     for number, frequency in enumerate(growing[np.isfinite(growing)] * factor_of(settings)):
         label = points.unlisted("unstable eigenfrequency") if number else "unstable eigenfrequency"
@@ -151,6 +155,25 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     ax.set_ylabel(labels.axis_label(dataset[STEADY]))
     points.legend([ax])
     return figure
+
+
+def _name_fundamental(
+    ax: Axes,
+    one: xr.Dataset,
+    drawn: tuple[np.ndarray, np.ndarray],
+    colour: ColorType,
+    settings: points.Settings,
+) -> None:
+    """The frequency of a period, above its line if it has one."""
+    basic = factor_of(settings) / one["period"].item() if "period" in one else np.nan
+    known = np.isnan(drawn[1]).any()  # else no harmonic stands where it is
+    for place in np.flatnonzero(np.isclose(drawn[0], basic) & (drawn[1] > 0.0) & known)[:1]:
+        symbol, unit = FREQUENCIES[settings.get("unit") or "Hz"]
+        words = f"${symbol}_1$ = {labels.number_text(float(f'{basic:.4g}'))} {unit}"
+        ax.annotate(
+            words, (drawn[0][place], drawn[1][place]), (0.0, 2.0), textcoords="offset points",
+            color=colour, fontsize=mpl.rcParams["legend.fontsize"], path_effects=levels.HALO,
+        )  # fmt: skip
 
 
 def _shape(motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
@@ -177,7 +200,8 @@ def factor_of(settings: points.Settings) -> float:
 
 def frequency_label(settings: points.Settings) -> str:
     """What stands at an axis of frequencies."""
-    return r"$\omega$ (rad/s)" if settings.get("unit") == "rad/s" else "$f$ (Hz)"
+    symbol, unit = FREQUENCIES[settings.get("unit") or "Hz"]
+    return f"${symbol}$ ({unit})"
 
 
 # --- a motion in time -----------------------------------------------------------------------------
