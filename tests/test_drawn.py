@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import draw, draw_laws
+from fiv_cli.plots import draw, draw_laws, look_of
 from fiv_cli.plots.drawn import COLUMNS, DECORATION, as_csv
 from fiv_cli.reading.datasets import class_names
 
@@ -64,6 +64,21 @@ def test_lines_at_a_level_of_a_map_are_told_and_a_plane_without_is_not():
         assert known.sum() > 20
     with pytest.raises(UsageError, match="this figure is a plane"):
         table(draw(found, figure("map", variable="L_s")))
+
+
+@pytest.mark.parametrize("style", ["screen", "paper"])
+def test_a_table_names_the_parameters_with_their_values_and_the_start(style):
+    """Those of a line in its series, those of all in the title, also of a figure without one."""
+    found = data.stability_map(nx=2).isel(N0=slice(0, 30))
+    asked = figure("curve", x="N0", variable="L_s", select={"initial": "reached"})
+    rows = table(draw(found, asked, look=look_of(style)))
+    assert {row["figure"] for row in rows} == {"A sweep (Figure 7.6) start: reached"}
+    assert {row["series"].partition(",")[0] for row in rows if row["y"]} == {
+        "Omega = 0.5 rad/s", "Omega = 10 rad/s",
+    }  # fmt: skip
+    one = figure("curve", variable="L_s", select={"initial": "exists", "Omega": 10.0})
+    (title,) = {row["figure"] for row in table(draw(found, one, look=look_of(style)))}
+    assert "start: exists" in title and "Omega = 10 rad/s" in title
 
 
 def test_lines_are_counted_and_a_gap_ends_one():

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
 
-COLUMNS = ("panel", "x_axis", "y_axis", "series", "line", "x", "y")
+COLUMNS = ("figure", "panel", "x_axis", "y_axis", "series", "line", "x", "y")
 DECORATION = "_nolegend_"
 """Label of what tells nothing by itself."""
 UNNAMED = "_child"  # what matplotlib calls an artist without a label, and counts
@@ -37,7 +37,8 @@ UNNAMED = "_child"  # what matplotlib calls an artist without a label, and count
 def as_csv(figure: Figure, path: Path) -> str:
     """A row for each point of marks and lines, in the units and words of the figure.
 
-    Each line, and all marks of one series, have a number; what stands at an x alone has no y.
+    `figure` is its title, with the start and the values of parameters that no series names. Each
+    line, and all marks of one series, have a number; what stands at an x alone has no y.
 
     Raises
     ------
@@ -52,7 +53,8 @@ def as_csv(figure: Figure, path: Path) -> str:
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(COLUMNS)
     for ax in figure.axes:
-        panel = [in_one_line(word) for word in (ax.get_title(), *_axis_labels(figure, ax))]
+        told = (str(figure.get_label()), ax.get_title(), *_axis_labels(figure, ax))
+        panel = [in_one_line(word) for word in told]
         for series, line, points in _lines(ax):
             x, y = (_told(own, points[:, at]) for at, own in enumerate((ax.xaxis, ax.yaxis)))
             writer.writerows([*panel, series, line, *point] for point in zip(x, y, strict=True))

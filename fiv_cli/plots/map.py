@@ -12,7 +12,6 @@ from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
-from fiv_cli.analyses.catalogue import named
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import labels, levels, points, style
@@ -23,6 +22,7 @@ from fiv_cli.reading.datasets import (
     flag_names,
     headlines,
     is_class,
+    is_count,
     numbers,
 )
 
@@ -370,8 +370,7 @@ def _paint_numbers(
     known = values.values[np.isfinite(values.values)]
     low, high = _ends(known, logarithmic)
     counts = np.arange(low, high + 1.0)
-    whole = named(str(planes.array.name)).kind == "int"
-    counted = whole and len(counts) <= MOST_COUNTS and not logarithmic
+    counted = is_count(str(planes.array.name)) and len(counts) <= MOST_COUNTS and not logarithmic
     norm = _norm(low, high, logarithmic=logarithmic, counted=counted)
     below = bool((known < low).any())
     colours = colormaps["cividis"].with_extremes(under=BELOW)

@@ -515,6 +515,7 @@ def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figu
     figure = Figure(layout="constrained")
     resize(figure, PANEL[0] * _spread(columns), PANEL[1] * _spread(rows), rows)
     FigureCanvasAgg(figure)
+    figure.set_label(title)  # for tables of numbers, though it may stand above none
     if title and _LOOK.get().titled:
         words = "\n".join(textwrap.fill(line, letters(figure)) for line in title.splitlines())
         figure.suptitle(words, fontsize=mpl.rcParams["axes.titlesize"])

@@ -115,6 +115,11 @@ def headlines(dataset: xr.Dataset) -> list[str]:
     return [variable.name for variable in sorted(shown, key=lambda variable: variable.headline)]
 
 
+def is_count(name: str) -> bool:
+    """Whether a variable is a whole number."""
+    return named(name).kind == "int"
+
+
 def error_of(name: str) -> str:
     """What says how far a variable may be off, in a dataset that has it."""
     return f"{named(name).width.removesuffix('_width') or name}_error"
