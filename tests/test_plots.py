@@ -1152,6 +1152,14 @@ def test_numbers_are_written_as_people_write_them_and_in_tables_as_programs_read
     assert float(in_one_line(text)) == number
 
 
+def test_a_level_without_a_line_has_no_entry_in_the_legend():
+    levels = {"variable": "L_s", "level": [1e-3, 1.0]}
+    drawn = draw(data.stability_map(), figure("map", **levels))
+    told = [text for text in legend_texts(drawn) if text.startswith("$L_s$")]
+    assert told == ["$L_s$ = 0.001 rad$^{2}$"]
+    assert "no line $L_s$ = 1 " in drawn.get_suptitle()
+
+
 @pytest.mark.parametrize("level", [-1e-3, 1e-3])
 def test_a_level_is_written_in_a_white_box(level):
     dataset = data.stability_map(initial=("reached",), nx=60, ny=60)

@@ -167,9 +167,12 @@ def keys(
     styles: Sequence[Any] = STYLES,
 ) -> list[Line2D]:
     """An entry of a legend for each level that is drawn in some planes (values of each end)."""
-    words = [f"{_words(array, level)}{_both(planes)}" for level in levels]
-    pairs = zip(words, styles, strict=False)
-    return [Line2D([], [], color=colour, ls=dash, label=word) for word, dash in pairs]
+    drawn = [
+        (f"{_words(array, level)}{_both(planes)}", dash)
+        for level, dash in zip(levels, styles, strict=False)
+        if any(not _beside(plane, level) for ends in planes for plane in ends)
+    ]
+    return [Line2D([], [], color=colour, ls=dash, label=word) for word, dash in drawn]
 
 
 def _both(planes: Sequence[Sequence[np.ndarray]]) -> str:
