@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
+from fiv_cli.case.grammar import Bounds
 from fiv_cli.case.load import load_case, parse_case
 from fiv_cli.case.others import not_run
 from fiv_cli.errors import CaseError, Problem
@@ -281,3 +283,17 @@ def test_a_case_whose_line_a_map_draws_is_read_where_it_lies(tmp_path: Path) -> 
         this.write_text(plane('variable = "attractor"', f'level = {{ "other:{name}" = 0.0 }}'))
         with pytest.raises(CaseError, match=words):
             load_case(this)
+
+
+def test_what_is_told_to_write_of_several_values_can_be_written() -> None:
+    """Also where what is compared with was no table."""
+    text = claim("growth_rate", '{ less_than = "eigenvalue_real" }')
+    with pytest.raises(CaseError, match="has several values at a point") as caught:
+        parse_case(text, "a.toml")
+    told = re.search(r"allowed: less_than = (\{.*\}), or that", str(caught.value))
+    assert told is not None
+    written = text.replace('"eigenvalue_real"', told[1])
+    bounds = parse_case(written, "a.toml").claims[0].expect
+    assert isinstance(bounds, Bounds)
+    (reference,) = bounds.references.values()
+    assert (reference.variable, dict(reference.at)) == ("eigenvalue_real", {"mode": 0})

@@ -17,6 +17,7 @@ from fiv_cli.case.grammar import Bounds, OfClass, Reference, Trend, parse_condit
 from fiv_cli.case.places import Places
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import COUNTED, MOST_LINES, FigureKind
+from fiv_cli.case.toml import toml_value
 from fiv_cli.case.words import variable_meant
 from fiv_cli.flags import TABLES
 from fiv_cli.models import get_model
@@ -341,8 +342,11 @@ def check_number(
         said = "one value at each point"
         if several:
             one_of_all = f'take = {{ what = "greatest", over = "{several[0]}" }}'
-            first = f"at = {{ {several[0]} = 0 }} in this table, or in the claim for both sides"
-            said = f"{first}; or, of those that exist, {one_of_all}"
+            told = {"case": reference.case, "variable": other.name, "analysis": reference.analysis}
+            table: dict[str, Any] = {key: word for key, word in told.items() if word}
+            table["at"] = {**reference.at, several[0]: 0}
+            first = f"{place[-1]} = {toml_value(table, str(place[-1]))}"
+            said = f"{first}, or that `at` for both sides; or, of those that exist, {one_of_all}"
         report.add(place, message, said)
 
 
