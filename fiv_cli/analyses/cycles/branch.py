@@ -622,12 +622,11 @@ def _passes(line: Continuation, first: Point, before: Point, here: Point) -> boo
 
 
 def openness(line: Continuation, here: Point) -> float:
-    """Change of the parameter that opens a cycle as far as this one is."""
+    """Change of the parameter that opens a cycle as far as this one is; NaN where none does."""
     found = _conditions(line, here.frame, here.unknowns)
     jacobian = None if found is None else found.jacobian()
-    if jacobian is None:
-        return float("nan")
-    return here.cycle.residual * line.span / float(np.linalg.norm(jacobian[:, -1]))
+    rate = 0.0 if jacobian is None else float(np.linalg.norm(jacobian[:, -1]))
+    return here.cycle.residual * line.span / rate if rate > 0.0 else float("nan")
 
 
 def is_close(line: Continuation, here: Point, length: float) -> bool:
