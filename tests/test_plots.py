@@ -1485,8 +1485,9 @@ def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind,
 def test_basins_need_starts_that_differ_in_two_states():
     dataset = data.basin()
     assert [spec.kind for spec in default_figures(dataset)] == ["basin"]
-    with pytest.raises(UsageError, match="run its case again"):
-        draw(dataset.drop_vars("initial_state"), figure("basin"))
+    for lacking in ("initial_state", "attractor"):  # as a branch of cycles, which has starts
+        with pytest.raises(UsageError, match="next: a case with an analysis of kind `response`"):
+            draw(dataset.drop_vars(lacking), figure("basin", x="x", y="x_dot"))
     with pytest.raises(UsageError, match="the states are: x, x_dot"):
         draw(dataset, figure("basin", x="y"))
     flat = dataset.assign(initial_state=dataset["initial_state"] * [1.0, 0.0])

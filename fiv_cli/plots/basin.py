@@ -78,12 +78,12 @@ def _components(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, st
 
     Raises
     ------
-    UsageError : the starts are not in the dataset, or it has no such state
+    UsageError : what starts reach is not in the dataset, or it has no such state
     """
-    if STARTS not in dataset:
+    if not {STARTS, "attractor"} <= {*dataset}:
         raise UsageError(
-            "the starts of the motions are not in this dataset\n"
-            "next: run its case again; response analyses keep them (initial_state)"
+            "no starts in this dataset with what each reaches, of which basins are drawn\n"
+            "next: a case with an analysis of kind `response` and an [[initial]] of many starts"
         )
     known, free = [str(name) for name in dataset["state"].values], _varying(dataset)
     for which in ("x", "y"):
