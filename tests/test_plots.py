@@ -2405,9 +2405,19 @@ def test_no_file_of_several_is_left_out_without_a_word(stored):
     both = ["bifurcation.nc", "eigenvalues.nc"]
     with pytest.raises(UsageError, match=r"eigenvalues: no L_s.*\nnext: draw it alone"):
         run(plot_command, *both, "--figure", "curve")
-    with pytest.raises(UsageError, match=r"eigenvalues\.nc: section_value: no values"):
+    with pytest.raises(UsageError, match=r"eigenvalues\.nc: nothing that a bifurcation diagram"):
         run(plot_command, *both, "--figure", "bifurcation")
     assert not (stored / "bifurcation-curve.png").stat().st_size < 1000
+
+
+def test_of_several_files_no_branch_that_a_diagram_takes_is_blamed_for_another(stored):
+    branch_along_the_speed().to_netcdf(stored / "branch.nc")
+    data.bifurcation()[["status", "L_s"]].to_netcdf(stored / "apart.nc")
+    asked = ["bifurcation.nc", "branch.nc", "apart.nc", "--figure", "bifurcation"]
+    for files in (asked, [*asked[2::-1], *asked[3:]]):
+        with pytest.raises(UsageError, match=r"not written: apart\.nc: nothing that a bif"):
+            run(plot_command, *files)
+    assert run(plot_command, *asked[:2], *asked[3:]).exit_code == 0
 
 
 def test_a_diagram_refuses_what_gives_it_nothing(stored):

@@ -296,25 +296,50 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
     from fiv_cli.plots import draw, nothing_suits
     from fiv_cli.plots.drawing import kinds_that_suit
 
-    (file, source), *others = sources
+    named = _named(sources)
     try:
-        every = _named(sources) if others else source
-        return draw(every, figure, look=look)
+        return draw(named if len(named) > 1 else named[0][1], figure, look=look)
     except EmptyFigureError:
         raise
     except UsageError as error:
-        for one in sources if others else ():
-            try:
-                _drawn([one], figure, look)
-            except UsageError as its:
-                raise UsageError(f"{one[0]}: {its}") from None
+        place, its = _blamed(named, figure, look) if len(named) > 1 else (0, None)
+        file, source = sources[place]
         kinds = kinds_that_suit(source)
-        if not kinds:
+        if not kinds and len(named) == 1:
             raise nothing_suits(source) from None
-        if figure.kind in kinds:
-            raise
-        suiting = listed(kinds)
-        raise UsageError(f"{error}\n{file} can be drawn with --figure {suiting}") from None
+        told = f"{file}: {its}" if its else str(error)
+        if figure.kind in kinds or not kinds:
+            raise type(its or error)(told) from None
+        raise UsageError(f"{told}\n{file} can be drawn with --figure {listed(kinds)}") from None
+
+
+def _blamed(
+    named: Sequence[tuple[str, dict[str, xr.Dataset]]], figure: FigureSpec, look: Look
+) -> tuple[int, UsageError | None]:
+    """Which of several files a figure fails for, and why; the first, where none alone is at fault.
+
+    That is the first that the figure of those which can be drawn alone cannot take in: a branch,
+    which is no diagram, may be laid over one.
+    """
+    alone = [_failure([one], figure, look) for one in named]
+    sound = [one for one, error in zip(named, alone, strict=True) if error is None]
+    for place, (one, error) in enumerate(zip(named, alone, strict=True)):
+        if error and (joint := _failure([*sound, one], figure, look)):
+            return place, type(joint)(str(joint).removeprefix(f"{one[0]}: "))
+    return 0, None
+
+
+def _failure(
+    named: Sequence[tuple[str, dict[str, xr.Dataset]]], figure: FigureSpec, look: Look
+) -> UsageError | None:
+    """Why a figure cannot be drawn; None where it can."""
+    from fiv_cli.plots import draw
+
+    try:
+        draw(named, figure, look=look)
+    except UsageError as error:
+        return error
+    return None
 
 
 def _named(sources: Sources) -> list[tuple[str, dict[str, xr.Dataset]]]:
