@@ -107,6 +107,27 @@ def test_what_is_not_there_is_told_before_the_run(
     assert allowed in problem.allowed
 
 
+@pytest.mark.parametrize(
+    ("table", "asked"),
+    [
+        ("figure", {"kind": "curve", "variable": "stick_fraction", "select": {"contact": [1, 7]}}),
+        ("figure", {"kind": "history", "variable": "x1", "select": {"contact": 7}}),
+        ("claim", {**CLAIM, "variable": "stick_fraction", "at": {"contact": 7}}),
+    ],
+)
+def test_a_contact_that_the_model_has_not_is_told_before_the_run(
+    table: str, asked: dict[str, Any]
+) -> None:
+    analyses = [{"kind": "response"}, {"kind": "history", "t_end": 9.0}]
+    case = ASKING | {"model": {"name": "belt-2mass"}, "analysis": analyses}
+    case["grid"], case["initial"] = {"v": [0.5, 1.0]}, [{"label": "rest", "kind": "state"}]
+    with pytest.raises(CaseError) as refused:
+        api.load({**case, table: [asked]})
+    (problem,) = refused.value.problems
+    assert problem.path.endswith(".contact") and "7" in problem.message
+    assert problem.allowed in ("1, 2", "1 to 2")
+
+
 def test_a_shorter_grid_leaves_claims_about_the_rest() -> None:
     """One point of a case can be run alone, whatever its claims speak of."""
     case = {**ASKING, "claim": [{**CLAIM, "variable": "L_s", "at": {"v": 1.5}}]}

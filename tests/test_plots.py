@@ -1612,6 +1612,22 @@ def test_sticks_of_other_contacts_are_marked_where_none_is_asked_for(kind):
     assert not any("sticks" in word for word in told[1] + told[2])
 
 
+@pytest.mark.parametrize("kind", ["map", "curve"])
+def test_of_several_contacts_a_figure_says_which_one_is_selected(kind):
+    both = data.stability_map().rename(L_s="stick_fraction")
+    both["stick_fraction"] = both["stick_fraction"].expand_dims(contact=[1, 2], axis=-1)
+    asked = {"variable": "stick_fraction"} | ({"select": {"N0": 10.0}} if kind == "curve" else {})
+    every, second = (
+        draw(both, figure(kind, **asked | {"select": asked.get("select", {}) | chosen}))
+        for chosen in ({}, {"contact": 2})
+    )
+    one = draw(both.isel(contact=[1]), figure(kind, **asked))  # of the model itself
+    told = [drawn.get_suptitle().count("contact = 2") for drawn in (every, second, one)]
+    assert told == [0, 1, 0]
+    with pytest.raises(UsageError, match="contact = 7: not in this dataset\ncontact: 1, 2"):
+        draw(both, figure(kind, variable="stick_fraction", select={"contact": 7}))
+
+
 def of_two_contacts():
     """A motion on two contacts: 6 N of friction at the first, -1 N at the second."""
     dataset = data.history(labels=("far",))

@@ -71,7 +71,7 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     """Note what no analysis gives that a figure shows."""
     _check_scale(figure, place, report)
     if figure.kind in ("history", "phase"):  # of others the key itself is refused
-        _check_contact(figure, get_model(case.model).contacts, (*place, "contact"), report)
+        _check_contact(figure, get_model(case.model).contacts, place, report)
     analysis = figure.settings.get("analysis")
     known = _known(case, held, analysis, figure.kind in OF_MOTIONS)
     if known and SHOWN.get(figure.kind, "status") not in known:
@@ -589,11 +589,14 @@ def _classes(variable: Variable | None) -> list[str]:
 def _check_contact(figure: FigureSpec, contacts: int, place: Path, report: Report) -> None:
     """Note contacts that the model has not, and several where one is drawn."""
     said = figure.settings.get("contact", [])
-    numbers = said if isinstance(said, list) else [said]
-    for number in [one for one in numbers if not 1 <= one <= contacts]:
-        report.add(place, f"there is no contact {number}", f"1 to {contacts}")
-    if len(numbers) > 1 and figure.kind != "history":
-        report.add(place, f"a {figure.kind} shows one contact", "a figure for each")
+    selected = figure.settings.get("select", {}).get("contact", [])
+    for at, wanted in ((("contact",), said), (("select", "contact"), selected)):
+        numbers = wanted if isinstance(wanted, list) else [wanted]
+        for number in [one for one in numbers if one not in range(1, contacts + 1)]:
+            if not isinstance(number, str):
+                report.add((*place, *at), f"there is no contact {number}", f"1 to {contacts}")
+    if isinstance(said, list) and len(said) > 1 and figure.kind != "history":
+        report.add((*place, "contact"), f"a {figure.kind} shows one contact", "a figure for each")
 
 
 def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:

@@ -11,7 +11,10 @@ from fiv_cli.analyses.variables import Variable
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.grammar import SAME, Test, parse_condition
 from fiv_cli.case.report import Path, Report
+from fiv_cli.models import get_model
 from fiv_cli.notation.names import listed
+
+NUMERIC = ("parameter", "start", "number")  # kinds of axes
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,7 @@ class Places:
     name : of the analysis
     grid : name -> axis of the grid
     own : those that its variables have besides, and ``initial``
+    contact : that of the contacts of the model, from 1
     is_shortened : whether the grid is another than that of the file, by ``--set``: then a claim
         may speak of points that are not there
     """
@@ -30,6 +34,7 @@ class Places:
     name: str
     grid: Mapping[str, Axis]
     own: Sequence[str]
+    contact: Axis
     is_shortened: bool
 
     @classmethod
@@ -39,7 +44,9 @@ class Places:
         grid = {a.name: a for a in case.axes if starts or a.kind != "start"}
         own = dict.fromkeys(dim for variable in variables for dim in variable.dims)
         shortened = any(line.startswith(("grid.", "sweep.")) for line in case.overrides)
-        return cls(spec.name, grid, [*(["initial"] if starts else []), *own], shortened)
+        contact = Axis("contact", "number", tuple(range(1, 1 + get_model(case.model).contacts)))
+        names = [*(["initial"] if starts else []), *own]
+        return cls(spec.name, grid, names, contact, shortened)
 
     def check(self, selection: Mapping[str, Any], place: Path, report: Report) -> None:
         """Note axes that the analysis has not, and values off the grid."""
@@ -47,10 +54,10 @@ class Places:
             if name not in (*self.grid, *self.own):
                 message = f"the analysis {self.name!r} has no axis {name!r}"
                 report.add((*place, name), message, listed([*self.grid, *self.own]))
+            elif name == self.contact.name:
+                _check_values(self.contact, wanted, (*place, name), report)
             elif name in self.grid and not self.is_shortened and report.is_sound(("grid", name)):
-                for one in _missed(self.grid[name], wanted):
-                    message = f"{one!r} is not on the axis {name}"
-                    report.add((*place, name), message, _extent(self.grid[name], one))
+                _check_values(self.grid[name], wanted, (*place, name), report)
 
     def check_over(
         self, over: Sequence[str], variable: Variable | None, place: Path, report: Report
@@ -67,9 +74,15 @@ class Places:
                 report.add(place, message, listed(known))
 
 
+def _check_values(axis: Axis, wanted: Any, place: Path, report: Report) -> None:
+    """Note values that are not on an axis."""
+    for one in _missed(axis, wanted):
+        report.add(place, f"{one!r} is not on the axis {axis.name}", _extent(axis, one))
+
+
 def _missed(axis: Axis, wanted: Any) -> Iterator[Any]:
     """What of a selection meets no value of the axis."""
-    numeric = axis.kind in ("parameter", "start")
+    numeric = axis.kind in NUMERIC
     for one in wanted if isinstance(wanted, list) else [wanted]:
         tests = parse_condition(one) if numeric and isinstance(one, str) else ()
         if tests:
@@ -92,7 +105,7 @@ def _holds(value: float, test: Test) -> bool:
 
 
 def _extent(axis: Axis, wanted: Any) -> str:
-    if axis.kind not in ("parameter", "start") or len(axis.values) <= 8:
+    if axis.kind not in NUMERIC or len(axis.values) <= 8:
         return listed([str(value) for value in axis.values])
     told = f"{len(axis.values)} values from {min(axis.values):g} to {max(axis.values):g}"
     if isinstance(wanted, str):

@@ -27,7 +27,7 @@ from fiv_cli.plots import (
     style,
 )
 from fiv_cli.plots import map as map_
-from fiv_cli.plots.labels import title_of
+from fiv_cli.plots.labels import title_of, value_label
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
 from fiv_cli.reading.datasets import analysis_of, figures_in, read_analyses
@@ -267,7 +267,24 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     narrowed = select.subset if kind.suits(dataset) else _selected
     of_lines = _axes_of_lines(figure, beside) - {*select.axis_names(dataset)}
     own = {axis: selection[axis] for axis in selection if axis not in of_lines}
-    return Layer(label, narrowed(dataset, own), beside)
+    return Layer(label, _telling(narrowed(dataset, own), dataset, figure), beside)
+
+
+def _telling(part: xr.Dataset, whole: xr.Dataset, figure: FigureSpec) -> xr.Dataset:
+    """The part that a figure selects, for its title with which of several contacts, modes, ... .
+
+    These are axes that not the grid has, but what is drawn.
+    """
+    names = [name for key in ("variable", "y") for name in _listed(figure.settings.get(key, []))]
+    own = {str(dim) for name in names if name in part for dim in part[name].dims}
+    left = [dim for dim in sorted(own) if part.sizes[dim] == 1 < whole.sizes[dim]]
+    axes = [select.axis_of(part, dim) for dim in left if dim not in points.grid_dims(part)]
+    words = [value_label(axis, axis.values[0]) for axis in axes]
+    return part.assign_attrs(of_several=points.joined(*words))
+
+
+def _listed(names: str | list[str]) -> list[str]:
+    return [names] if isinstance(names, str) else names
 
 
 def _axes_of_lines(figure: FigureSpec, beside: Sequence[xr.Dataset]) -> set[str]:
@@ -318,8 +335,7 @@ def _selected(dataset: xr.Dataset, selection: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _holds(dataset: xr.Dataset, figure: FigureSpec) -> bool:
-    named = figure.settings.get("variable", [])
-    return all(name in dataset for name in ([named] if isinstance(named, str) else named))
+    return all(name in dataset for name in _listed(figure.settings.get("variable", [])))
 
 
 def _analyses(source: Source) -> dict[str, xr.Dataset]:

@@ -256,14 +256,15 @@ def _line(
 def title(dataset: xr.Dataset) -> str:
     """The case's title and reference and, below, the one value of each axis that does not vary.
 
-    The start is always named: what is reached from one start need not be from another. So are
+    The start is always named: what is reached from one start need not be from another. So is the
+    one that is selected of several contacts, modes or others that the variable has, and so are
     parameters that were set on the command line, which the case's title knows nothing of, and what
     a dataset differs in from those drawn beside it.
     """
     alone = [_first_axis(dataset, d) for d in grid_dims(dataset) if dataset.sizes[d] == 1]
     changed = [labels.value_label(one, one.item()) for one in _set_by_hand(dataset)]
-    words = [*(_alone(axis) for axis in alone), *changed, str(dataset.attrs.get("differs", ""))]
-    words += ["settled"] * is_settled(dataset)
+    words = [*(_alone(axis) for axis in alone), str(dataset.attrs.get("of_several", "")), *changed]
+    words += [str(dataset.attrs.get("differs", "")), *["settled"] * is_settled(dataset)]
     words.append(str(dataset.attrs.get("without", "")))
     return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
 
