@@ -126,8 +126,14 @@ def test_a_scatter_of_starts_and_the_phase_portrait_of_a_motion():
     starts = found["initial_state"].values.reshape(-1, 2)
     told = np.array([(row["x"], row["y"]) for row in rows], float)
     assert sorted(told.tolist()) == sorted(starts.tolist())
-    panels = [*dict.fromkeys(row["panel"].partition(" rad/s ")[0] for row in rows)]
-    assert panels == ["Omega = 1", "Omega = 2"]
+    starts = {
+        start: tuple(place) for start, place in zip(found["initial"].values, starts, strict=False)
+    }
+    first = [row for row in rows if row["panel"] == "Omega = 1 rad/s"]
+    assert {row["start"]: (float(row["x"]), float(row["y"])) for row in first} == starts
+    assert {row["panel"] for row in rows} == {"Omega = 1 rad/s", "Omega = 2 rad/s"}
+    one = table(draw(found, figure("basin", select={"Omega": 2.0})))
+    assert {(row["panel"], row["series"]) for row in one} == {("", "equilibrium"), ("", "periodic")}
     rows = table(draw(data.history(labels=("far",)), figure("phase")))
     assert {row["series"].rpartition(", ")[2] for row in rows} >= {"slip+", "stick", "start"}
 

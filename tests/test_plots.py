@@ -13,6 +13,7 @@ from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import BoundaryNorm, LogNorm, to_hex
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from fiv_cli.case.case import FigureSpec
@@ -1394,9 +1395,11 @@ def test_a_basin_shows_where_its_motions_rest():
     everywhere = xr.zeros_like(dataset["status"], float)
     rest = {"x_max": everywhere + 0.03, "x_dot_max": everywhere}
     (ax,) = draw(dataset.assign(rest), figure("basin")).axes
-    (star,) = [one for one in ax.collections if one.get_label() == "where they rest"]
-    resting = int((class_names(dataset["attractor"]) == "equilibrium").sum())
-    np.testing.assert_array_equal(star.get_offsets(), [[0.03, 0.0]] * resting)
+    star, *_ = ax.lines  # each place once, and the starts beneath are seen
+    np.testing.assert_array_equal(star.get_xydata(), [[0.03, 0.0]])
+    assert star.get_markerfacecolor() == "none"
+    (key,) = [key for key in ax.figure.legends[0].legend_handles if isinstance(key, Line2D)]
+    assert key.get_markersize() == star.get_markersize()
     (ax,) = draw(data.basin(speeds=(0.0,)), figure("basin")).axes
     assert "where they rest" not in legend_texts(ax)
 
@@ -1422,15 +1425,20 @@ def test_a_class_has_one_mark_in_all_panels_of_a_basin():
 
 def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
     """A circle of radius 2 in a square of side 6: the share is known, the error covers it."""
-    drawn = draw(data.basin(speeds=(2.0,)), figure("basin", select={"Omega": 2.0}))
-    shares = drawn.axes[0].get_title().split()
-    share, error = (float(w) for w in shares[1:4:2])
-    assert shares[::4] == ["equilibrium", "periodic"]
-    assert drawn.legends[0].get_title().get_text().endswith("± standard error")
+    drawn = draw(data.basin(), figure("basin"))
+    shares = drawn.axes[1].get_title().split("\n")[1:]
+    share, error = (float(w) for w in shares[0].split()[1::2])
+    assert [words.split()[0] for words in shares] == ["equilibrium", "periodic"]
+    told = "shares of the starts above each panel ± standard error"
+    assert drawn.legends[0].get_title().get_text() == told
+    drawn = draw(data.basin(), figure("basin", select={"Omega": 2.0}))
+    assert drawn.axes[0].get_title() == ""  # of one panel the legend says it
+    assert legend_texts(drawn) == shares
     assert error == pytest.approx(np.sqrt(share * (1 - share) / 200), abs=6e-4)
     assert abs(share - np.pi / 9.0) < 3 * error
-    (ax,) = draw(data.basin(speeds=(9.0,)), figure("basin")).axes
-    assert ax.get_title() == "equilibrium (all 200)"
+    assert legend_texts(draw(data.basin(speeds=(9.0,)), figure("basin"))) == [
+        "equilibrium (all 200)"
+    ]
 
 
 def test_shares_of_a_lattice_of_starts_have_no_standard_error():

@@ -7,7 +7,7 @@ random, not of others, its standard error is sqrt(p (1 - p) / n) (Menck et al., 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
-from fiv_cli.plots import labels, points, style
+from fiv_cli.plots import drawn, labels, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import shares
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
-STAR = 60.0  # area of the mark of an equilibrium, in square points
+STAR = 8.0  # size of the mark of an equilibrium, pt
+SAME = 1e-6  # of the greatest: places of rest that differ by less are one
 MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
 
 
@@ -40,7 +41,10 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """A panel for each value of the other axes; the shares of the classes above it."""
+    """A panel for each value of the other axes, with the shares of the classes above it.
+
+    Those of a single panel stand in the legend.
+    """
     dataset = layers[0].dataset
     names = _components(dataset, settings)
     known = is_class(dataset["status"], ("ok", "budget"))
@@ -50,9 +54,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(panels), map_.MOST_COLUMNS, points.title(dataset), SHARE, sharex=True, sharey=True
     )
+    single = len(panels) == 1
     for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
-        _scatter(ax, dataset.isel(panel.index), names)
-        ax.set_title("\n".join(filter(None, (panel.label, *_shares(dataset, panel.index)))))
+        shares_of = _shares(dataset, panel.index)
+        _scatter(ax, dataset.isel(panel.index), names, shares_of if single else {})
+        heading = [] if single else [f"{_words(one)} {told}" for one, told in shares_of.items()]
+        ax.set_title("\n".join(filter(None, (panel.label, *heading))))
+        ax.set_label(panel.label)  # of the table
         ax.set_xlabel(_label(dataset, names[0]))
         ax.tick_params(labelbottom=True)
         ax.set_ylabel(_label(dataset, names[1]) if number % columns == 0 else "")
@@ -60,7 +68,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     rows = -(-len(panels) // columns)
     style.make_room(figure, rows * max(ax.get_title().count("\n") for ax in axes))
     error = " ± standard error" if _is_sample(dataset) else ""
-    style.legend_below(figure, style.told_in(axes)[0], f"above: shares of the starts{error}")
+    of_starts = f"shares of the starts{'' if single else ' above each panel'}{error}"
+    style.legend_below(figure, style.told_in(axes)[0], of_starts)
     return figure
 
 
@@ -106,42 +115,60 @@ def _label(dataset: xr.Dataset, name: str) -> str:
     return f"initial ${labels.symbol_of_name(name)}$ ({unit})"
 
 
-def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str]) -> None:
-    """The starts of one panel, and where they rest."""
+def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str], told: Mapping[str, str]) -> None:
+    """The starts of one panel, and where they rest; the legend says what is `told` of classes."""
     x, y = (part[STARTS].sel(state=name).values for name in names)
     reached = class_names(part["attractor"])
     marks = dict(zip(flag_names(part["attractor"].attrs).values(), MARKS, strict=False))
     table = [name for name in marks if name in reached]
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
     for name, colour in zip(table, style.class_colours(table), strict=True):
-        mask = reached == name
-        ax.scatter(
-            x[mask], y[mask], size, color=colour, marker=marks[name], lw=0.5,
-            zorder=3.0 - mask.mean(), label=name.replace("_", " "),
+        mask, label = reached == name, _words(name)
+        look = {"color": colour, "marker": marks[name], "lw": 0.5}
+        starts = ax.scatter(
+            x[mask], y[mask], size, zorder=3.0 - mask.mean(), **look,
+            label=points.unlisted(label) if name in told else label,
             rasterized=len(x) > style.MANY_MARKS,
         )  # fmt: skip
-    resting, ends = reached == "equilibrium", [f"{name}_max" for name in names]
-    if {*ends} <= {*part} and resting.any():
-        x, y = (part[end].values[resting] for end in ends)
-        ax.scatter(
-            x, y, STAR, color=style.BLACK, marker="*", ec="white", lw=0.4, zorder=3.5,
-            label="where they rest",
-        )  # fmt: skip
+        drawn.name_points(starts, part["initial"].values[mask].tolist())
+        if name in told:
+            ax.scatter([], [], label=f"{label} {told[name]}", **look)
+    rests = _rests(part.isel(initial=np.flatnonzero(reached == "equilibrium")), names)
+    if rests.size:  # the starts beneath are seen through it
+        ax.plot(*rests.T, "*", ms=STAR, mfc="none", mec=style.BLACK, mew=0.8, zorder=3.5,
+                label="where they rest")  # fmt: skip
 
 
-def _shares(dataset: xr.Dataset, index: Mapping[str, int]) -> Iterator[str]:
-    """The share of each class in one panel: ``periodic 0.621 ± 0.034``, ``equilibrium (all 200)``.
+def _rests(part: xr.Dataset, names: tuple[str, str]) -> np.ndarray:
+    """Where motions rest, each place once, shape (places, 2); none where it is not known."""
+    ends = [f"{name}_max" for name in names]
+    if not {*ends} <= {*part}:
+        return np.zeros((0, 2))
+    places = np.stack([part[end].values for end in ends], axis=1)
+    steps = np.round(places / (SAME * max(float(np.abs(places).max(initial=0.0)), SAME)))
+    return places[np.sort(np.unique(steps, axis=0, return_index=True)[1])]
 
-    Of starts that are no random sample it is a count: ``periodic 124 of 200``.
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _shares(dataset: xr.Dataset, index: Mapping[str, int]) -> dict[str, str]:
+    """Class -> its share in one panel: periodic -> ``0.621 ± 0.034``, equilibrium -> ``(all 200)``.
+
+    Of starts that are no random sample it is a count: ``124 of 200``.
     """
     reached = class_names(dataset["attractor"].isel(index))
     names, counts = np.unique(reached[reached != NOT_COMPUTED].astype(str), return_counts=True)
     total, sample = int(counts.sum()), _is_sample(dataset)
+    found = {}
     for name, count in zip(names.tolist(), counts.tolist(), strict=True):
         share = count / total
         told = with_error(share, np.sqrt(share * (1.0 - share) / total))
-        told = told if sample else f"{count} of {total}"
-        yield f"{name.replace('_', ' ')} {f'(all {total})' if count == total else told}"
+        found[name] = told if sample else f"{count} of {total}"
+        if count == total:
+            found[name] = f"(all {total})"
+    return found
 
 
 def _is_sample(dataset: xr.Dataset) -> bool:

@@ -9,10 +9,12 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.collections import LineCollection, PathCollection, QuadMesh
 from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
@@ -23,7 +25,6 @@ from fiv_cli.errors import UsageError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
@@ -31,14 +32,23 @@ if TYPE_CHECKING:
 COLUMNS = ("figure", "panel", "x_axis", "y_axis", "series", "line", "x", "y")
 DECORATION = "_nolegend_"
 """Label of what tells nothing by itself."""
+START = "start"
+"""A column more, of figures whose points have names: those of starts."""
+_NAMES: WeakKeyDictionary[Artist, Sequence[str]] = WeakKeyDictionary()
 UNNAMED = "_child"  # what matplotlib calls an artist without a label, and counts
+
+
+def name_points(artist: Artist, names: Sequence[str]) -> None:
+    """Give the points of an artist names, which stand beside them in the table."""
+    _NAMES[artist] = names
 
 
 def as_csv(figure: Figure, path: Path) -> str:
     """A row for each point of marks and lines, in the units and words of the figure.
 
     `figure` is its title, with the start and the values of parameters that no series names. Each
-    line, and all marks of one series, have a number; what stands at an x alone has no y.
+    line, and all marks of one series, have a number; what stands at an x alone has no y. Where
+    points have names there is a column more.
 
     Raises
     ------
@@ -51,14 +61,23 @@ def as_csv(figure: Figure, path: Path) -> str:
         )
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    named = any(_NAMES.get(artist) for artist in figure.findobj(PathCollection))
+    writer.writerow([*COLUMNS, START] if named else COLUMNS)
     for ax in figure.axes:
-        told = (str(figure.get_label()), ax.get_title(), *_axis_labels(figure, ax))
+        told = (str(figure.get_label()), _panel(ax), *_axis_labels(figure, ax))
         panel = [in_one_line(word) for word in told]
-        for series, line, points in _lines(ax):
+        for series, line, points, names in _lines(ax):
             x, y = (_told(own, points[:, at]) for at, own in enumerate((ax.xaxis, ax.yaxis)))
-            writer.writerows([*panel, series, line, *point] for point in zip(x, y, strict=True))
+            columns = [x, y, names or [""] * len(x)] if named else [x, y]
+            rows = zip(*columns, strict=True)
+            writer.writerows([*panel, series, line, *row] for row in rows)
     return table.getvalue()
+
+
+def _panel(ax: Axes) -> str:
+    """What a panel is called: its heading or, where this says more, its label."""
+    label = str(ax.get_label())
+    return ax.get_title() if label in ("", "<colorbar>") else label
 
 
 def _axis_labels(figure: Figure, ax: Axes) -> tuple[str, str]:
@@ -75,15 +94,15 @@ def _last(words: Iterable[str]) -> str:
     return next(filter(None, reversed([*words])), "")
 
 
-def _lines(ax: Axes) -> Iterator[tuple[str, int, np.ndarray]]:
-    """Series, number of the line and points, shape (n, 2), of all that is no decoration."""
+def _lines(ax: Axes) -> Iterator[tuple[str, int, np.ndarray, Sequence[str]]]:
+    """Series, number of the line, points, shape (n, 2), and their names, of all that is shown."""
     number = 0
     for artist in ax.get_children():
         label = str(artist.get_label())
         series = "" if label.startswith(UNNAMED) else in_one_line(label).removeprefix("_")
         for points in () if label == DECORATION else _pieces(artist, ax):
             number += 1
-            yield series, number, points
+            yield series, number, points, _NAMES.get(artist, ())
 
 
 def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
@@ -94,7 +113,8 @@ def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
         return map(np.asarray, artist.get_segments())
     if isinstance(artist, ContourSet):
         return map(np.asarray, artist.allsegs[0])
-    return [np.asarray(artist.get_offsets())] if isinstance(artist, PathCollection) else []
+    marks = np.asarray(artist.get_offsets()) if isinstance(artist, PathCollection) else np.empty(0)
+    return [marks] if marks.size else []
 
 
 def _pieces_of_line(line: Line2D, ax: Axes) -> list[np.ndarray]:

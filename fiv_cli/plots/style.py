@@ -83,7 +83,7 @@ MARKUP = re.compile(r"\\[A-Za-z]+|[{}$_^]")
 POINTS = 72.0  # an inch
 TICK_LETTERS = 9  # that a tick and the gap beside it take
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
-KEY = 4.5  # size of the marks in legends, pt
+KEY, STAR_KEY = 4.5, 8.0  # sizes of the marks in legends, pt
 # Where a legend is looked for a place in a panel, and the sides of the compass there.
 SIDES: dict[Any, Any] = {
     "upper right": "NE", "upper left": "NW", "lower right": "SE", "lower left": "SW",
@@ -294,7 +294,7 @@ def even_keys(legend: Legend) -> None:
     """Marks of one size, however small or large they are in the figure."""
     for key in legend.legend_handles:
         if isinstance(key, Line2D):
-            key.set_markersize(KEY)
+            key.set_markersize(STAR_KEY if key.get_marker() == "*" else KEY)
         elif isinstance(key, PathCollection):
             key.set_sizes([(KEY * _LOOK.get().weight) ** 2])  # what is no line is not thickened
 
