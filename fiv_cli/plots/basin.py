@@ -8,7 +8,7 @@ random, not of others, its standard error is sqrt(p (1 - p) / n) (Menck et al., 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -124,7 +124,7 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str], told: Mapping[s
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
     for name, colour in zip(table, style.class_colours(table), strict=True):
         mask, label = reached == name, _words(name)
-        look = {"color": colour, "marker": marks[name], "lw": 0.5}
+        look: dict[str, Any] = {"color": colour, "marker": marks[name], "lw": 0.5}
         starts = ax.scatter(
             x[mask], y[mask], size, zorder=3.0 - mask.mean(), **look,
             label=points.unlisted(label) if name in told else label,

@@ -163,13 +163,21 @@ def positions(axis: xr.DataArray) -> np.ndarray:
 def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
     """Label and, for an axis of names, ticks: of many names as many as there is room for."""
     spine = ax.xaxis if which == "x" else ax.yaxis
-    spine.set_label_text(labels.axis_label(axis))
+    spine.set_label_text(", ".join([labels.axis_label(axis), *_advancing_with(axis)]))
     if not select.is_numeric(axis):
         words = [str(value) for value in axis.values]
         beside = style.letters(ax.figure.figure) // (2 + max(map(len, words)))
         room = beside if which == "x" else MOST_TICKS
         kept = np.arange(0, axis.size, -(-axis.size // max(1, room)))
         spine.set_ticks(kept, labels=[words[place] for place in kept])
+
+
+def _advancing_with(axis: xr.DataArray) -> list[str]:
+    """What varies along an axis of numbers with it, none of which is fixed: ``$V_2$ with it``."""
+    beside = [one for name, one in axis.coords.items() if name != axis.name and one.size > 1]
+    varying = [one for one in beside if select.is_numeric(one) and (one != one[0]).any()]
+    symbols = [labels.quantity(one, str(one.name)) for one in varying]
+    return [f"{', '.join(symbols)} with it"] if symbols and select.is_numeric(axis) else []
 
 
 def reach(ax: Axes, axis: xr.DataArray) -> None:
