@@ -371,7 +371,8 @@ def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
         assert f"{told}{where}" in legend_texts(ax)
 
 
-def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
+def with_eigenvalues():
+    """`resting`, with its equilibria, which turn stable between 2.9 and 3 rad/s."""
     response, omega = resting(), data.bifurcation()["Omega"].values
     states = xr.DataArray(0.01 * omega, dims="Omega") * xr.ones_like(response["L_s"])
     response = response.assign(
@@ -387,7 +388,14 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
         data.axes(Omega=omega),
         data.attributes(),
     )
-    analyses = {"response": response, "eigenvalues": eigenvalues}
+    return {"response": response, "eigenvalues": eigenvalues}
+
+
+def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
+    omega = data.bifurcation()["Omega"].values
+    analyses = with_eigenvalues()
+    response, eigenvalues = analyses.values()
+    words = class_names(eigenvalues["stable"])
     (ax,) = draw(analyses, figure("bifurcation")).axes
     lines = {line.get_label(): line.get_xydata() for line in ax.lines}
     for word in ("stable", "unstable"):
@@ -419,6 +427,34 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     (ax,) = draw([("one", analyses), ("two", analyses)], figure("bifurcation")).axes
     drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
     assert to_hex(drawn[-1].get_color()) == BLACK.lower()  # upon the same of the other diagram
+
+
+@pytest.mark.parametrize(
+    ("found", "met"), [([2.96], [2.96]), ([2.92, 2.94, 2.97], []), ([1.05], []), ([0.1, 9.0], [])]
+)
+def test_lines_of_equilibria_meet_where_a_critical_value_says(found, met):
+    """Between the points of the grid; three between two of them, or one elsewhere, say nothing."""
+    critical = xr.Dataset(
+        {
+            "status": data.statuses((), np.array("ok")),
+            "critical_value": ("crossing", found, {"long_name": "critical value of Omega"}),
+        },
+        attrs=data.attributes(),
+    )
+    layers = [("", with_eigenvalues()), ("critical", critical)]
+    (ax,) = draw(layers, figure("bifurcation")).axes
+    lines = {line.get_label(): line.get_xydata() for line in ax.lines}
+    stable, unstable = (lines[f"{word}stable equilibrium"] for word in ("", "un"))
+    stable, unstable = (line[np.isfinite(line[:, 1])] for line in (stable, unstable))
+    assert [at for at in stable[:, 0] if at in unstable[:, 0]] == met
+    np.testing.assert_allclose(stable[:, 1], 0.01 * stable[:, 0])
+    if not met:
+        assert (stable[0, 0], unstable[-1, 0]) == pytest.approx((3.0, 2.9))
+    other = critical["critical_value"].assign_attrs(long_name="critical value of N0")
+    with pytest.raises(UsageError, match="critical: nothing that a bifurcation diagram"):
+        draw(
+            [layers[0], ("critical", critical.assign(critical_value=other))], figure("bifurcation")
+        )
 
 
 def later_stable(eigenvalues):

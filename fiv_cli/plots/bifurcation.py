@@ -2,7 +2,7 @@
 
 Where a motion rests it is drawn at its value. What no motion comes to, as all that is unstable,
 other analyses of the case know: equilibria an `eigenvalues` analysis, cycles a `cycle` analysis, or
-the dataset of a branch that is drawn with it.
+the dataset of a branch that is drawn with it; where equilibria turn stable a `critical` one.
 """
 
 from __future__ import annotations
@@ -73,7 +73,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for layer in layers:
         if not any(layer.dataset is one.dataset for one in shown):
             _refuse_apart(layer, shown, axis, observed)
-    judged = [(layer, told) for layer in shown for told in _judged(layer, others, axis, observed)]
+    judged = [
+        (layer, told, _changes(layer, others, axis))
+        for layer in shown
+        for told in _judged(layer, others, axis, observed)
+    ]
     untold = len(judged) < len(shown)
     resting = _resting_words([layer.dataset for layer in shown]) if untold else ""
     _mark(ax, clouds, style.dot_size(axis.size, figure.get_figwidth()), resting)
@@ -83,8 +87,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
         _draw_cycles(ax, own, axis, layer, name, where)
-    for layer, told in judged:
-        _draw_equilibria(ax, layer, told, axis, observed)
+    for layer, told, changes in judged:
+        _draw_equilibria(ax, layer, told, changes, axis, observed)
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", _section_words(shown)))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
@@ -338,7 +342,24 @@ def _has_part(dataset: xr.Dataset, axis: xr.DataArray, observed: str) -> bool:
     """Whether there are cycles or eigenvalues along an axis of diagrams."""
     told = "cycle_period" in dataset or {"stable", "growth_rate"} <= {*dataset}
     is_along = axis.name in dataset.coords and told
+    is_along |= bool(_critical(dataset, axis).size)
     return is_along or branch.is_along(dataset, str(axis.name), observed)
+
+
+def _critical(dataset: xr.Dataset, axis: xr.DataArray) -> np.ndarray:
+    """Where along an axis modes turn stable or unstable; none of what has other axes as well."""
+    if "critical_value" not in dataset or dataset["critical_value"].dims != ("crossing",):
+        return np.zeros(0)
+    found = dataset["critical_value"].dropna("crossing")
+    is_along = str(found.attrs.get("long_name", "")).endswith(f" of {axis.name}")
+    return np.sort(found.values) if is_along else np.zeros(0)
+
+
+def _changes(layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray) -> np.ndarray:
+    """Where along an axis the equilibria of a diagram change, as another analysis found it."""
+    parts = (_of_the_same(one, layer.dataset) for one in (*layer.beside, *others))
+    found = (_critical(part, axis) for part in parts if part is not None)
+    return next((changes for changes in found if changes.size), np.zeros(0))
 
 
 def _draw_cycles(
@@ -463,9 +484,14 @@ def _judged(
 
 
 def _draw_equilibria(
-    ax: Axes, layer: points.Layer, judged: xr.Dataset, axis: xr.DataArray, observed: str
+    ax: Axes,
+    layer: points.Layer,
+    judged: xr.Dataset,
+    changes: np.ndarray,
+    axis: xr.DataArray,
+    observed: str,
 ) -> None:
-    """Equilibria of a diagram, by what the eigenvalues of its case tell of them.
+    """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`.
 
     Those of several diagrams, or at several values of other axes, have the colours of these.
     """
@@ -476,23 +502,41 @@ def _draw_equilibria(
     place = known.sel(state=observed).max([d for d in known.dims if d == "initial"])
     lines = points.lines(diagram, [str(axis.dims[0])], [str(d) for d in place.dims])
     colours = points.colours([ax]) if len(lines) > 1 or layer.label else {}
-    known_words = {str(line.get_label()) for line in ax.lines}
+    known_words, x = {str(line.get_label()) for line in ax.lines}, points.positions(axis)
     for word, dashes, weight in (("stable", "-", 0.7), ("unstable", ":", 1.1)):
         height = place.where(is_class(judged["stable"], (word,)))
+        parts = [[of.isel(line.index).values for of in (place, height)] for line in lines]
         drawn = [
-            (points.joined(layer.label, line.label), height.isel(line.index).values)
-            for line in lines
+            (points.joined(layer.label, line.label), *_up_to(changes, x, every, own))
+            for line, (every, own) in zip(lines, parts, strict=True)
+            if np.isfinite(own).any()
         ]
-        drawn = [(label, values) for label, values in drawn if np.isfinite(values).any()]
         called = f"{word} equilibrium"
-        for label, values in drawn:
+        for label, places, values in drawn:
             own = points.unlisted(label, called) if colours else called
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
-            (line,) = ax.plot(points.positions(axis), values, dashes, lw=weight, zorder=3.5,
+            (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
             _blacken_shared(ax, line)
         if colours and drawn and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
+
+
+def _up_to(
+    changes: np.ndarray, x: np.ndarray, every: np.ndarray, own: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Places and heights of one's own among `every` equilibrium, up to changes beside them.
+
+    Such a change is the only one between two neighbours on the axis.
+    """
+    right = np.searchsorted(x, changes)
+    alone = (np.bincount(right, minlength=x.size + 1)[right] == 1) & (right > 0) & (right < x.size)
+    if (np.diff(x) <= 0.0).any() or not alone.any():
+        return x, own
+    at, right = changes[alone], right[alone]
+    beside = np.isfinite(own[right - 1]) | np.isfinite(own[right])
+    height = np.where(beside, np.interp(at, x, every), np.nan)
+    return np.insert(x, right, at), np.insert(own, right, height)
 
 
 def _blacken_shared(ax: Axes, line: Line2D) -> None:

@@ -37,7 +37,8 @@ MARKS = {
     "other": "h",
     "bracket": ">",
 }
-TOLD = {"equilibrium": "ends at an equilibrium", "bracket": "goes on beyond the bracket"}
+TOLD = {"equilibrium": "cycle ends at an equilibrium", "bracket": "goes on beyond the bracket"}
+LARGER = {"*": 1.7}  # of other marks: a star of their size is a dot
 AT_MARK = {"bracket": "goes on"}
 ABOVE = 5.0  # a mark, pt: where its word begins
 EDGE = 0.12  # of the width of a panel: no word that begins so near a side reaches beyond it
@@ -123,8 +124,9 @@ def draw_marks(
     for place, at, error, kind in _marks(dataset, index, value):
         mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, _words(kind))
         mark = "<" if kind == "bracket" and at < value.mean() else mark
+        wide = LARGER.get(mark, 1.0) * size
         for height in heights[:, place]:
-            ax.plot(at, height, mark, color=colour, mec="white", mew=0.4, ms=size, zorder=4.5,
+            ax.plot(at, height, mark, color=colour, mec="white", mew=0.4, ms=wide, zorder=4.5,
                     label=told)  # fmt: skip
         if error > 0.0:
             ends = at - error, at + error
