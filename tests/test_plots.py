@@ -1946,7 +1946,7 @@ def test_a_line_stands_where_modes_merge():
     dataset["coupling_point"] = (("mu_k", "mode"), points, {"along": "mu_k"})
     top, bottom = draw(dataset, figure("eigenvalues")).axes
     for ax in (top, bottom):
-        assert marks(ax, "modes merge")[:, 0].tolist() == [0.5, 0.5]
+        assert marks(ax, "_modes merge")[:, 0].tolist() == [0.5, 0.5]
     dataset["coupling_point"].attrs["along"] = "F"
     top, _ = draw(dataset, figure("eigenvalues")).axes
     assert "modes merge" not in [line.get_label() for line in top.lines]
@@ -1954,13 +1954,15 @@ def test_a_line_stands_where_modes_merge():
     apart = dataset.assign(coupling_point=dataset["coupling_point"] * np.nan)
     laws = xr.Variable("friction", ["coulomb", "stribeck"])
     top, _ = draw(xr.concat([dataset, apart], laws), figure("eigenvalues")).axes
-    assert marks(top, "modes merge, coulomb")[:, 0].tolist() == [0.5, 0.5]
-    assert "modes merge" not in [line.get_label() for line in top.lines]
+    assert marks(top, "_modes merge, coulomb")[:, 0].tolist() == [0.5, 0.5]
+    assert "_modes merge" not in [line.get_label() for line in top.lines]
     moved = dataset.assign(coupling_point=dataset["coupling_point"] + 0.1)
     top, _ = draw(xr.concat([dataset, moved], laws), figure("eigenvalues")).axes
     merging = {line.get_label(): line for line in top.lines if "merge" in line.get_label()}
-    looks = [merging[f"modes merge, {law}"].get_linestyle() for law in laws.values]
+    looks = [merging[f"_modes merge, {law}"].get_linestyle() for law in laws.values]
     assert looks == ["-", "--"]
+    merge = [text for text in legend_texts(top) if "merge" in text]
+    assert merge == ["modes merge"]  # the dashes say whose it is
 
 
 @pytest.mark.parametrize(("apart", "one"), [(1e-5, True), (0.01, False)])
@@ -1971,11 +1973,12 @@ def test_mergers_that_interpolation_does_not_tell_apart_are_one(apart, one):
     dataset["coupling_point"] = (("mu_k", "mode"), points, {"along": "mu_k"})
     pairs = dataset.assign(coupling_point=dataset["coupling_point"] + [0.0, 0.0, apart, apart])
     top, _ = draw(pairs, figure("eigenvalues")).axes
-    assert len([line for line in top.lines if "merge" in line.get_label()]) == (1 if one else 2)
+    drawn = [line for line in top.lines if "_modes merge" in line.get_label()]
+    assert len(drawn) == (1 if one else 2)
     moved = dataset.assign(coupling_point=dataset["coupling_point"] + apart)
     laws = xr.Variable("friction", ["coulomb", "stribeck"])
     top, _ = draw(xr.concat([dataset, moved], laws), figure("eigenvalues")).axes
-    assert ("modes merge" in [line.get_label() for line in top.lines]) == one
+    assert ("_modes merge" in [line.get_label() for line in top.lines]) == one
 
 
 def test_of_many_modes_the_legend_names_some():
@@ -1998,6 +2001,17 @@ def test_eigenvalues_mark_every_unstable_point():
     assert bottom.get_ylabel() == "frequency of the mode (Hz)"
     assert bottom.get_xlabel() == r"coefficient of kinetic friction $\mu_k$"
     assert marks(bottom, "failed")[:, 0] == pytest.approx([0.175])
+
+
+def test_the_dashes_of_several_lines_of_a_mode_are_seen_where_it_is_unstable():
+    laws = xr.Variable("friction", ["coulomb", "stribeck"])
+    both = xr.concat([data.eigenvalues()] * 2, laws)
+    unstable = (both["eigenvalue_real"] > 0.0) & (both["eigenvalue_imag"] > 0.0)
+    for ax in draw(both, figure("eigenvalues")).axes:
+        dashed = [line for line in ax.lines if "_mode " in line.get_label()]
+        bands = [line for line in ax.lines if line.get_marker() == "o" and line.get_xydata().size]
+        assert max(band.get_zorder() for band in bands) < min(line.get_zorder() for line in dashed)
+        assert sum(np.isfinite(band.get_ydata()).sum() for band in bands) == int(unstable.sum())
 
 
 def test_a_mode_can_be_selected_by_its_number():

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +24,13 @@ MOST_NAMED = 6  # modes in a legend: of more some, for their colours are a ramp
 # the step between these are one.
 SAME = 0.01
 MARKED = 40  # unstable points of a line that have a mark, about
+# Of several lines of a mode what is unstable is a band beneath: their dashes are seen.
+BAND: dict[str, Any] = {
+    "color": "#F6C3A0", "lw": 4.0, "marker": "o", "ms": 4.0, "mew": 0.0, "zorder": 1.5
+}  # fmt: skip
+DOTS: dict[str, Any] = {
+    "color": style.VERMILLION, "ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0, "zorder": 4
+}  # fmt: skip
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -34,9 +41,8 @@ def suits(dataset: xr.Dataset) -> bool:
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A colour for each mode, a dash for each value of the other axes; unstable points marked.
 
-    The legend names each once.
-
-    Where two modes merge a grey line stands: dotted, or with the dash of what it is of.
+    Where two modes merge a grey line stands: dotted, or with the dash of what it is of. The legend
+    names each once.
 
     Of a conjugate pair the eigenvalue with positive imaginary part is drawn.
     """
@@ -75,6 +81,7 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
     # the colour of unstable points is no mode's
     colours = [c for c in style.line_colours(len(modes) + 1) if c != style.VERMILLION]
     drawn: dict[str, ColorType] = {}
+    look = BAND if len(lines) > 1 else DOTS
     for number, line in enumerate(lines):
         part = dataset.isel(line.index)
         for (mode, name_of_mode), colour in zip(modes.items(), colours, strict=False):
@@ -85,17 +92,25 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             label = points.unlisted(name_of_mode, line.label)
             ax.plot(x, y, ls=dash, color=colour, label=label)
             drawn |= {name_of_mode: colour}
-            unstable = np.flatnonzero(part[PARTS[0]].isel(mode=mode).values > 0.0)
-            marked = unstable[:: max(1, x.size // MARKED)]
-            ax.plot(x[marked], y[marked], "o", ms=2.6, color=style.VERMILLION, mew=0.0, zorder=4,
-                    label=DECORATION)  # fmt: skip
+            _mark(ax, x, y, part[PARTS[0]].isel(mode=mode).values > 0.0, look)
     for place in np.unique(np.linspace(0, len(drawn) - 1, MOST_NAMED).astype(int)):
         ax.plot([], [], "-", color=[*drawn.values()][place], label=[*drawn][place])
     for number, line in enumerate(lines if len(lines) > 1 else ()):
         dash = style.dash(number, len(lines))
         ax.plot([], [], ls=dash, color=style.BLACK, label=line.label)
     if np.any(dataset[PARTS[0]].values > 0.0):
-        ax.plot([], [], "o", color=style.VERMILLION, mew=0.0, label="unstable")
+        ax.plot([], [], label="unstable", **look)
+
+
+def _mark(
+    ax: Axes, x: np.ndarray, y: np.ndarray, unstable: np.ndarray, look: Mapping[str, Any]
+) -> None:
+    """Some of the unstable points of a line as dots, or all as a band."""
+    if look is DOTS:
+        marked = np.flatnonzero(unstable)[:: max(1, x.size // MARKED)]
+        ax.plot(x[marked], y[marked], label=DECORATION, **look)
+    else:
+        ax.plot(x, np.where(unstable, y, np.nan), label=DECORATION, **look)
 
 
 def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
@@ -110,10 +125,12 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
     told = [("", found[lines[0].label])] if alike else found.items()
     for line, (whose, places) in enumerate(told):
         dash = ":" if alike else style.dash(line, len(lines))  # as the modes of that line
-        for number, place in enumerate(places):
-            label = points.joined("modes merge", whose)
-            label = points.unlisted(label) if number else label
+        for place in places:
+            label = points.unlisted("modes merge", whose)
             ax.axvline(place, color=style.GREY, ls=dash, lw=1.0, zorder=1, label=label)
+    if any(map(len, found.values())):
+        ls = ":" if alike else "-"
+        ax.plot([], [], color=style.GREY, ls=ls, lw=1.0, label="modes merge")
 
 
 def _places(merging: xr.DataArray, x: np.ndarray) -> np.ndarray:
