@@ -925,6 +925,28 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     assert ax.get_legend() is None
 
 
+@pytest.mark.parametrize(("count", "marked"), [(25, True), (26, False)])
+def test_marks_of_many_crossings_do_not_hide_their_lines(count, marked):
+    """A crossing that no line leads through has a mark all the same."""
+    along = np.linspace(0.1, 1.0, count + 1)
+    dataset = data.crossings().isel(crossing=[1], R=[0] * (count + 1)).assign_coords(R=along)
+    dataset["critical_value"][:, 0] = np.where(along > 0.1, along, 9.0)
+    dataset["crossing_mode"][:, 0] = np.where(along > 0.1, 2, 0)
+    (ax,) = draw(dataset, figure("curve")).axes
+    has_marks = {line.get_xdata().size: line.get_marker() != "None" for line in ax.lines}
+    assert has_marks == {1: True, count: marked}
+
+
+@pytest.mark.parametrize(("error", "seen"), [(0.1, True), (1e-6, False)])
+def test_error_bars_too_short_to_be_seen_have_no_ends(error, seen):
+    found = data.bifurcation()
+    found["L_s_error"] = error * found["L_s"].where(found["L_s"] > 0.0)
+    (ax,) = draw(found, figure("curve", variable="L_s", select={"initial": "far"})).axes
+    caps = [line.get_markevery() for line in ax.lines if line.get_marker() in (2, 3, "_")]
+    assert caps and all(bool(shown) == seen for shown in caps)
+    assert any(one.get_label().endswith("error bar") for one in ax.collections)
+
+
 def test_where_colours_tell_another_axis_dashes_tell_the_sorts_of_crossings():
     one = data.crossings()
     both = xr.concat([one, one.assign(critical_value=2 * one["critical_value"])], "mu_k")

@@ -36,8 +36,10 @@ if TYPE_CHECKING:
 CLASS_SHIFT = 0.06
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
+MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
 CAP = 2.0  # half the width of the ends of error bars, pt
+UNSEEN = 1e-4  # of the greatest value: an error bar that is shorter has no ends
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
 UNSURE = {
     "value of an undecided motion": HOLLOW,
@@ -155,6 +157,8 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
+    many = curve.of_crossings and x.size > MOST_MARKED and not apart
+    look |= {"marker": "None"} if many else {}
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
@@ -164,8 +168,9 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
         bars = ax.errorbar(curve.x, y, off, fmt="none", ecolor=entry.colour, lw=0.8, capsize=CAP)
         _, caps, (lengths,) = bars.lines
         lengths.set_label(points.unlisted(entry.label, "error bar"))
+        wide = np.flatnonzero(off > UNSEEN * np.nan_to_num(np.abs(y)).max())
         for cap in caps:
-            cap.set_label(DECORATION)
+            cap.set(label=DECORATION, markevery=wide.tolist())
 
 
 def _plot_unsure(ax: Axes, curve: _Curve, shift: float, entry: points.Entry) -> None:
@@ -215,7 +220,8 @@ class _Curve:
     `open` are the points whose class is undecided: their numbers are those of some stretch of time.
     `ends` are the least and the greatest that each may be, `error` is how far it may be off:
     infinite where that is not known. `jumps` are the places at which another class begins. `sort`
-    is what `dash` and `mark` mean, where colours mean another thing.
+    is what `dash` and `mark` mean, where colours mean another thing. A line `of_crossings` has no
+    gaps.
     """
 
     label: str
@@ -228,6 +234,7 @@ class _Curve:
     dash: Any = "-"
     mark: Mapping[str, Any] = field(default_factory=lambda: DOT)
     sort: str = ""
+    of_crossings: bool = False
 
     @property
     def is_wide(self) -> np.ndarray:
@@ -286,7 +293,7 @@ def _by_sort(
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), error[at])
                 dashed = {"dash": dash, "mark": mark, "sort": sort} if label else {}
-                curves.append(_Curve(label or sort, *found, **dashed))
+                curves.append(_Curve(label or sort, *found, **dashed, of_crossings=True))
     return curves
 
 
