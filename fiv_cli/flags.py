@@ -116,9 +116,9 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "tests_disagree",
         "section points and Lyapunov exponent say different things of the motion: raise t_max "
-        "(tenfold decides some, seldom most, of such points), or choose another section: another "
-        'event, such as section = { event = "stick->slip" }, { zero = "x_dot" } for a displacement '
-        "x, or of another contact, where there is one",
+        "(tenfold decides some, seldom most, of such points), or choose another section: the "
+        'other event ("stick->slip" for "slip->stick", or the contrary), { zero = "x_dot" } for a '
+        "displacement x, or of another contact, where there is one",
     ),
     Reason(
         "chattering",

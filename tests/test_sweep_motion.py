@@ -118,6 +118,12 @@ def test_a_number_as_it_is_printed_names_a_point_if_only_one_is_printed_so() -> 
         assert str(refused.value).endswith(f"add --set 'grid.v=[{none}]'")
 
 
+def test_a_point_may_be_named_with_units() -> None:
+    case = sweep_fakes.case(sweep_fakes.BELT)
+    point = find_point(case, {"N": "3e-3 kN", "v": '"100 cm/s"', "initial": "far"})
+    assert (point.place["N"], point.place["v"]) == (3.0, 1.0)
+
+
 def test_what_is_wrong_along_several_axes_is_told_at_once() -> None:
     case = sweep_fakes.case(sweep_fakes.BELT)
     with pytest.raises(UsageError) as refused:

@@ -77,10 +77,11 @@ def _refuse_branches_from_elsewhere(case: Case, physics: Physics, report: Report
         if own is not None and not low <= own <= high:
             of_law = name in (parameter.name for parameter in law.parameters)
             table = "friction" if of_law else "model.parameters"
+            of_whom = "the case's own" if name in case.explicit else "the default"
             report.add(
                 ("analysis", index, "bracket"),
-                f"the branch is followed both ways from {name} = {own!r}, the case's own, "
-                "which lies outside",
+                f"the branch is followed both ways from {name} = {own!r}, "
+                f"{of_whom}, which lies outside",
                 f"a bracket that holds it; or {name} between {low!r} and {high!r} in [{table}]",
             )
 

@@ -25,6 +25,7 @@ from fiv_cli.data.netcdf import global_attributes, write_datasets
 from fiv_cli.data.provenance import provenance
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import REASONS, STATUS, advice
+from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.notation.units import convert
 from fiv_cli.sweep.output import check_output
@@ -243,14 +244,26 @@ def _with_starts(case: Case) -> AnalysisPlan:
 
 
 def _canonical(case: Case, at: Mapping[str, str]) -> dict[str, str]:
-    """`at` with each option that is a list (``[[0, 0]]``) as the text that stands for it."""
-    texts = dict(at)
+    """`at` with numbers in SI, and each option that is a list (``[[0, 0]]``) as its text."""
+    texts, units = dict(at), _units(case)
+    for name, text in at.items():
+        if name in units and _number(text) is None:
+            with suppress(ValueError):  # noted where the axis is searched
+                texts[name] = repr(convert(text.strip("\"' "), units[name]))
     for option in get_model(case.model).options:
         if option.read is not None and option.name in texts:
             with suppress(ValueError):  # noted where the axis is searched
                 text = texts[option.name]
                 texts[option.name] = option.text(json.loads(text) if "[" in text else text)
     return texts
+
+
+def _units(case: Case) -> dict[str, str]:
+    """Parameter, or state of a start -> its unit."""
+    model = get_model(case.model)
+    parameters = (p for law in case.laws for p in model.parameters_under(get_law(law)))
+    states = {f"initial.{state.name}": state.unit for state in model.states(case.options)}
+    return {parameter.name: parameter.unit for parameter in parameters} | states
 
 
 def _indices(dims: Sequence[Dim], at: Mapping[str, str]) -> list[int]:
@@ -318,7 +331,8 @@ def _off_the_grid(axis: Axis, text: str, together: Sequence[str]) -> UsageError:
     """What there is, and how to have the value itself; axes `together` advance with this one."""
     number, first = _number(text), axis.values[:MOST_NAMED]
     if isinstance(first[0], str) or number is None:
-        hint = f"choose from {', '.join(map(str, first))}"
+        more = f" ... {axis.values[-1]}" * (len(axis.values) > MOST_NAMED)
+        hint = f"choose from {', '.join(map(str, first))}{more}"
     else:
         nearest = min(axis.values, key=lambda value: abs(value - number))
         hint = f"the nearest is --at {axis.name}={nearest}"

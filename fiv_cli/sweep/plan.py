@@ -465,7 +465,7 @@ def _described(analysis: AnalysisPlan) -> list[str]:
 
 STEPS = {
     "shorter": "in shorter steps where one of the grid loses the class",
-    "grid": "each from the state in which the one before ended",
+    "grid": "each from where the one before ended (a branch may be left before it ends)",
 }
 
 
