@@ -91,13 +91,16 @@ def test_undecided_points_are_no_difference_and_cycles_of_one_class_may_be_two()
         "points": 5,
         "differ": 2,
         "at": ["mu_k = 4 to 5"],
+        "cycles": 3,
         "another": 1,
         "another_at": ["mu_k = 2"],
         "classes": {"periodic against equilibrium": 1, "chaotic against periodic": 1},
     }
     first, second = over_starts.lines([told])
     assert ": different classes at 2 of 5 points decided, mu_k = 4 to 5 (periodic against" in first
-    assert second.endswith("another periodic motion at 1 of 5 points decided, mu_k = 2")
+    assert second.endswith(
+        "another periodic motion at 1 of 3 points where several were found periodic, mu_k = 2"
+    )
 
 
 def test_a_few_starts_are_told_in_pairs_and_many_together() -> None:

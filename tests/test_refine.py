@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import shlex
 from pathlib import Path
 from typing import Any
@@ -285,8 +286,9 @@ def test_a_claim_about_the_class_is_judged_on_what_is_filled_in_too(tmp_path: Pa
     sweep(tmp_path / "a.nc", text)
     claims = sweep_fakes.case(text).claims
     analyses = read_datasets(tmp_path / "a.nc")
-    verdicts = [evaluate(claim, analyses, lambda case: None).verdict for claim in claims]
-    assert verdicts == ["confirmed", "contradicted", "undetermined"]
+    found = [evaluate(claim, analyses, lambda case: None) for claim in claims]
+    assert [one.verdict for one in found] == ["confirmed", "contradicted", "undetermined"]
+    assert re.search(r", \d+ of \d+ run, others filled in$", found[0].found)
 
 
 def test_the_map_is_drawn_whole_and_says_how_much_was_run(tmp_path: Path) -> None:

@@ -42,6 +42,7 @@ from fiv_cli.reading.datasets import (
     class_names,
     ends_of,
     error_of,
+    filled_in,
     flag_names,
     is_class,
     name_of_only,
@@ -324,10 +325,10 @@ def evaluate(
             trial = _between(trial, _try(claim, reaching, variable, stored))
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
-    if claim.take:
-        speaks_of = select.subset(dataset, on_axes, nearest=False)
-        lacking = without_value(speaks_of, claim.variable, claim.take)
-        trial = replace(trial, found=", ".join(filter(None, (trial.found, lacking))))
+    speaks_of = select.subset(dataset, on_axes, nearest=False)
+    lacking = without_value(speaks_of, claim.variable, claim.take) if claim.take else ""
+    beside = filter(None, (trial.found, lacking, _of_filled(speaks_of, claim.variable)))
+    trial = replace(trial, found=", ".join(beside))
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
     if margin > 0.0:  # the share of a sample, and of one that is not all alike
         trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
@@ -361,6 +362,12 @@ def _try(claim: ClaimSpec, part: xr.Dataset, variable: str, stored: Stored) -> _
     return replace(trial, found=f"{trial.found} (an end of the axis)") if at_end else trial
 
 
+def _of_filled(part: xr.Dataset, variable: str) -> str:
+    """How many points of a refined map were run, where what is said of them is filled in."""
+    filled, size = int(filled_in(part, variable).sum()), part["status"].size
+    return f"{size - filled} of {size} run, others filled in" if filled else ""
+
+
 def _narrowed(part: xr.Dataset, results: Mapping[str, Any]) -> xr.Dataset:
     """The part with a mask of the values at which results have the classes that are wanted."""
     chosen = xr.DataArray(True)
@@ -381,7 +388,7 @@ def _hint(verdict: Verdict, part: xr.Dataset, variable: str) -> str:
         return f": fiv show says what helps{counted if variable != 'attractor' else ''}"
     own = [dim for dim in part[variable].dims if dim not in part["status"].dims]
     several = set(own) <= set(own_dims()) and numbers(part[variable]).notnull().sum(own) > 1
-    if not own or not np.any(several):
+    if not own or not np.any(several) or verdict.verdict == UNDETERMINED:
         return ""
     first = select.axis_of(part, str(own[0])).values[:1].tolist()
     return f", several at a point: at = {{ {own[0]} = {json.dumps(*first)} }} takes the first"

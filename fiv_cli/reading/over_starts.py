@@ -29,7 +29,8 @@ def differing(dataset: xr.Dataset) -> list[dict[str, Any]]:
     list : for each pair of a few starts, or for many together: the ``starts``, in words, at how
         many ``points`` two of them are decided, at how many of these they ``differ`` in class and
         where (``at``), of a pair also between which ``classes`` how often; and at how many they
-        reach one class but ``another`` cycle, as L_s says, and where (``another_at``)
+        reach one class but ``another`` cycle, as L_s says, and where (``another_at``), of those
+        at which the L_s of several ``cycles`` is known
     """
     reached = dataset.get("attractor")
     if reached is None or reached.dims != dataset["status"].dims or "initial" not in reached.dims:
@@ -51,12 +52,13 @@ def _of_pair(pair: xr.Dataset) -> dict[str, Any]:
 
 def _among(dataset: xr.Dataset) -> dict[str, Any]:
     differ = _differ(dataset)
-    another = _another(dataset) & ~differ
+    several, another = (mask & ~differ for mask in _another(dataset))
     decided = (~is_class(dataset["attractor"], OPEN)).sum("initial")
     return {
         "points": int((decided > 1).sum()),
         "differ": int(differ.sum()),
         "at": _places(differ),
+        "cycles": int(several.sum()),
         "another": int(another.sum()),
         "another_at": _places(another),
     }
@@ -68,13 +70,14 @@ def _differ(dataset: xr.Dataset) -> xr.DataArray:
     return decided.max("initial") > decided.min("initial")
 
 
-def _another(dataset: xr.Dataset) -> xr.DataArray:
-    """Where L_s of cycles differs by more than its errors."""
+def _another(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Where there are cycles of several starts, and where their L_s differs by more than errors."""
     is_cycle = is_class(dataset["attractor"], ("periodic",))
     of_cycles = dataset.get("L_s", xr.zeros_like(is_cycle, float)).where(is_cycle)
+    several = of_cycles.notnull().sum("initial") > 1
     least, greatest = of_cycles.min("initial"), of_cycles.max("initial")
     tolerance = float(json.loads(dataset.attrs["solver_json"])["rtol"])
-    return greatest - least > ANOTHER * tolerance * greatest
+    return several, greatest - least > ANOTHER * tolerance * greatest
 
 
 def _places(marked: xr.DataArray) -> list[str]:
@@ -114,7 +117,8 @@ def _lines(facts: Mapping[str, Any]) -> Iterator[str]:
         told = f"{facts['differ']} of {points}{_named(facts['at'])}"
         yield f"{starts} different classes at {told}" + f" ({between})" * bool(between)
     if facts["another"]:
-        told = f"{facts['another']} of {points}{_named(facts['another_at'])}"
+        of = f"{facts['cycles']} points where several were found periodic"
+        told = f"{facts['another']} of {of}{_named(facts['another_at'])}"
         yield f"{starts} another periodic motion at {told}"
     if not facts["differ"] and not facts["another"]:
         yield f"{starts} the same at all {points}"
