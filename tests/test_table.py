@@ -11,6 +11,7 @@ import synthetic_datasets as data
 
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.errors import UsageError
+from fiv_cli.reading.datasets import is_class
 from fiv_cli.reading.table import as_csv
 
 
@@ -43,6 +44,45 @@ def test_a_table_of_axes_that_advance_together_names_them_alone_and_only_what_is
     ]
     with pytest.raises(UsageError, match=r"v = 0\.6: not in this dataset"):
         rows(found, "L_s", v=0.6)
+
+
+def test_a_variable_of_several_states_has_a_column_for_each_that_is_asked_for():
+    found = data.basin(count=5, speeds=(1.0,))
+    starts = found["initial_state"].values[0]
+    told = rows(found, "attractor", "initial_state[*]")
+    assert [*told[0]] == [
+        "Omega",
+        "initial",
+        "attractor",
+        "initial_state[x]",
+        "initial_state[x_dot]",
+    ]
+    both = [[float(row[f"initial_state[{name}]"]) for name in ("x", "x_dot")] for row in told]
+    assert both == starts.tolist()
+    (one,) = {tuple(row) for row in rows(found, "initial_state[x_dot]")}
+    assert one == ("Omega", "initial", "initial_state[x_dot]")
+    with pytest.raises(UsageError, match="state = y: not in this dataset\nstate: x, x_dot"):
+        rows(found, "initial_state[y]")
+    with pytest.raises(UsageError, match=r"attractor\[x\]: no variable with one axis of its own"):
+        rows(found, "attractor[x]")
+
+
+def test_a_table_of_the_points_that_have_a_class():
+    found = data.basin(count=50)
+    every, chosen = (
+        rows(found, "attractor", "L_s", **at) for at in ({}, {"attractor": "periodic"})
+    )
+    assert chosen == [row for row in every if row["attractor"] == "periodic"]
+    assert 0 < len(chosen) < len(every)
+    both = rows(found, "L_s", attractor=["periodic", "equilibrium"], Omega=2.0)
+    assert len(both) == 50
+    with pytest.raises(UsageError, match="attractor = odd: no such class\nthere are: equilibrium"):
+        rows(found, "L_s", attractor="odd")
+    moving = data.bifurcation()
+    told = rows(moving, "section_value", attractor="periodic")
+    of_class = is_class(moving["attractor"], ("periodic",))
+    assert len(told) == int(moving["section_row_size"].where(of_class).sum())
+    assert len(told) > 0 == len(rows(moving, "section_value", attractor="equilibrium"))
 
 
 def test_values_of_any_number_per_point_stand_beside_their_points():

@@ -23,7 +23,9 @@ from fiv_cli.notation.names import pick
     "--csv",
     "columns",
     metavar="NAME,...",
-    help="Print variables as a table instead: a row for each value, its point beside it, in SI.",
+    help="Print variables as a table instead: a row for each value, its point beside it, in SI; "
+    "'NAME[x]' is the column of one state or contact, 'NAME[*]' one of each. Here --at takes "
+    "classes, too.",
 )
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="FILE.csv", help="Where --csv goes."
@@ -49,6 +51,7 @@ def command(
       fiv new pin-on-disc > a.toml && fiv run a.toml && fiv show runs/a.nc
       fiv show runs/a.nc --at "Omega=. >= 5"
       fiv show runs/a.nc --csv attractor,L_s -o a.csv
+      fiv show runs/a.nc --csv 'attractor,initial_state[*]' --at attractor=undecided
       fiv show runs/a.nc --json
     """
     from fiv_cli.reading.changed import changed_since

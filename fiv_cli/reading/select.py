@@ -63,17 +63,21 @@ def axis_of(dataset: xr.Dataset, name: str) -> xr.DataArray:
     if name in dataset.dims:
         return xr.DataArray(np.arange(dataset.sizes[name]), dims=name, name=name)
     known = ", ".join(str(axis) for axis in axis_names(dataset)) or "none"
-    hint = f"; fiv show FILE.nc --csv {name} lists the variable" * (name in dataset)
+    of_class = name in dataset and "flag_meanings" in dataset[name].attrs
+    where = f" --at {name}=CLASS" * of_class
+    hint = f"; fiv show FILE.nc --csv {name}{where} lists the variable" * (name in dataset)
     raise SelectionError(f"{name}: no axis of this dataset\nits axes: {known}{hint}")
 
 
 def axis_names(dataset: xr.Dataset) -> list[str]:
     """Names of every axis that can be selected on, observations of ragged arrays left out.
 
-    Axes that advance together are all named, their common dim is not.
+    Axes that advance together are all named, their common dim is not; nor are units along one.
     """
     hidden = set(ragged_dims(dataset))
+    units = {f"{dim}_units" for dim in dataset.dims}
     coords = [name for name, c in dataset.coords.items() if c.ndim == 1 and c.dims[0] not in hidden]
+    coords = [name for name in coords if name not in units]
     named = {dataset.coords[name].dims[0] for name in coords}
     bare = [dim for dim in dataset.dims if dim not in named and dim not in hidden]
     return [str(name) for name in [*coords, *bare]]

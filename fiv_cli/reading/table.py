@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fiv_cli.analyses.catalogue import computed_by
 from fiv_cli.case.words import variable_meant
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import pick, suggest
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import class_names, error_of, flag_names
+from fiv_cli.reading.datasets import class_names, error_of, flag_names, is_class
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +31,9 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     Parameters
     ----------
     analyses : by name; one of them has all the variables
-    at : which points: axis -> value, label or condition
+    names : ``VARIABLE[VALUE]`` is a column of its values at one value of its own axis, of a state
+        or a contact, ``VARIABLE[*]`` a column for each
+    at : which points: axis -> value, label or condition; or variable -> class
 
     Raises
     ------
@@ -40,7 +44,11 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
         raise UsageError(f"a table has the same number of values of each\n{_every_table(analyses)}")
     beside = {str(name) for one in analyses.values() for name in one.coords}
     names = [name for name in names if name not in beside] or list(names)
-    dataset = _holding(analyses, names)
+    parts = [name.removesuffix("]").partition("[") for name in names]
+    held_by = _holding(analyses, [name for name, _, _ in parts])
+    columns_of = [_columns(held_by, name, wanted) for name, _, wanted in parts]
+    names = [name for columns in columns_of for name in columns]
+    dataset = held_by.assign({name: of for columns in columns_of for name, of in columns.items()})
     axes = [str(name) for name, axis in dataset.coords.items() if axis.ndim == 1]
     axes = [name for name in axes if name not in select.ragged_dims(dataset)]
     told = [*dict.fromkeys(n for name in names for n in (name, error_of(name)) if n in dataset)]
@@ -49,6 +57,23 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     counted = [str(dim) for dim in held[0].dims if dim not in told_by_axes]
     columns = [*dict.fromkeys([*axes, *counted, *told])]
     return _lines(held, columns, told) + _lines(alone, columns, told, header=False)
+
+
+def _columns(dataset: xr.Dataset, name: str, wanted: str) -> dict[str, xr.DataArray]:
+    """A variable or, at the values that are `wanted` of its own axis, what has one per point."""
+    values = dataset[name]
+    if not wanted:
+        return {name: values}
+    own = [str(dim) for dim in values.dims if dim not in dataset["status"].dims]
+    if len(own) != 1 or select.row_sizes(dataset, name) is not None:
+        told = f"it has values along: {', '.join(map(str, values.dims)) or 'nothing'}"
+        raise UsageError(f"{name}[{wanted}]: no variable with one axis of its own\n{told}")
+    axis = select.axis_of(dataset, own[0])
+    kept = (
+        np.full(axis.size, True) if wanted == "*" else select.matching(axis, wanted, nearest=False)
+    )
+    bare = values.drop_vars([one for one in values.coords if own[0] in values[one].dims])
+    return {f"{name}[{axis.values[at]}]": bare.isel({own[0]: at}) for at in np.flatnonzero(kept)}
 
 
 def _every_table(analyses: Mapping[str, xr.Dataset]) -> str:
@@ -86,20 +111,38 @@ def _rows(
     Beside the latter what is told of points that hold no such value.
     """
     ragged = {n: rows for n in told if (rows := select.row_sizes(dataset, n)) is not None}
+    results = {n: at[n] for n in at if n in dataset.data_vars and flag_names(dataset[n].attrs)}
+    at = {name: wanted for name, wanted in at.items() if name not in results}
+    chosen = [_having(dataset[name], wanted) for name, wanted in results.items()]
     in_words = dataset.assign({name: _in_words(dataset[name]) for name in told})
     points = [name for name in told if name not in ragged]
+    for mask in chosen:
+        in_words = in_words.assign({name: in_words[name].where(mask) for name in points})
     if not ragged:
         part = select.subset(in_words, at, nearest=False)
         return [part[name] for name in points], []
     first = next(iter(ragged.values()))
     if any(rows.name != first.name for rows in ragged.values()) or any(
-        not {*dataset[name].dims} <= {*first.dims} for name in points
+        not {*dataset[name].dims} <= {*first.dims} for name in [*points, *results]
     ):
         raise UsageError(_in_rows_of_their_own(dataset, ragged, points, first))
-    with_points = in_words.set_coords(points)
+    with_points = in_words.set_coords(points).assign_coords(dict(zip(results, chosen, strict=True)))
     without = select.subset(in_words[points].where(first == 0), at, nearest=False)
     held = [select.observations(with_points, name, at) for name in ragged]
+    for name in results:
+        held = [values[values[name].values.astype(bool)] for values in held]
     return held, [without[name] for name in points]
+
+
+def _having(classes: xr.DataArray, wanted: str | Sequence[str]) -> xr.DataArray:
+    """Where a result has one of the classes that are wanted."""
+    names = [wanted] if isinstance(wanted, str) else wanted
+    known = [name for name in flag_names(classes.attrs).values() if name != NOT_COMPUTED]
+    for name in names:
+        if name not in known:
+            told = f"{classes.name} = {name}: no such class\nthere are: {', '.join(known)}"
+            raise select.SelectionError(told)
+    return is_class(classes, tuple(names))
 
 
 def _in_rows_of_their_own(
