@@ -286,6 +286,10 @@ def test_what_was_computed_with_other_values_says_so() -> None:
     assert causes(*asked) == [
         f'analysis a.section: {told} against {{ event = "slip->stick", contact = 1 }}'
     ]
+    starts = [{"case": f'[[initial]]\nlabel = "far"\nstate = {{ x = {x} }}'} for x in (1.0, 2.0)]
+    assert causes(*starts) == ["start far state.x: 1 against 2"]
+    said = [starts[0], starts[0] | {"overrides": "initial.0.state={x=3}\nsolver.rtol=1e-8"}]
+    assert causes(*said) == ["--set initial.0.state: none against {x=3}"]
     fewer = left | {"parameters_json": '{"m": 1.0}'}
     assert causes(left, fewer, axes={"k"}) == []
     assert causes(fewer, left) == ["parameter k: none against 4"]  # its model had no k

@@ -3,6 +3,7 @@
 import json
 import re
 from itertools import combinations, pairwise, product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of,
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.bifurcation import FINER
 from fiv_cli.plots.branch import stretches
-from fiv_cli.plots.drawn import in_one_line
+from fiv_cli.plots.drawn import as_csv, in_one_line
 from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
@@ -1092,6 +1093,8 @@ def test_what_has_no_logarithm_is_counted_and_no_limit_reaches_for_it(log, store
     assert sorted(map(tuple, told)) == sorted(zip(x[shown], y[shown], strict=True))
     assert f"not above 0, not shown: {np.isfinite(y).sum() - shown.sum()}" in legend_texts(ax)
     assert ax.dataLim.y0 == y[shown].min()
+    remark = f"not above 0, not shown: {np.isfinite(y).sum() - shown.sum()}"
+    assert f',"{remark}",,,' in as_csv(drawn, Path("log.csv"))  # nor are they in the table silently
 
 
 # --- map ---------------------------------------------------------------------------------------
@@ -1200,6 +1203,14 @@ def test_counts_have_a_shade_each_where_they_are_few(most, shades):
     assert isinstance(mesh.norm, BoundaryNorm) == (most <= 12)
     if most <= 12:
         assert drawn.axes[-1].get_yticks().tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
+def test_how_many_classes_there_are_is_a_count():
+    taken = figure("map", take={"what": "classes", "over": ["initial"]})
+    drawn = draw(data.stability_map(ny=30).isel(Omega=slice(1, None)), taken)
+    (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
+    assert isinstance(mesh.norm, BoundaryNorm)
+    assert drawn.axes[-1].get_yticks().tolist() == [1.0, 2.0]
 
 
 @pytest.mark.parametrize(

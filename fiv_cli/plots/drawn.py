@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = ("figure", "panel", "x_axis", "y_axis", "series", "line", "x", "y")
+LEFT_OUT = "not above 0, not shown"
 DECORATION = "_nolegend_"
 """Label of what tells nothing by itself."""
 START = "start"
@@ -71,7 +72,15 @@ def as_csv(figure: Figure, path: Path) -> str:
             columns = [x, y, names or [""] * len(x)] if named else [x, y]
             rows = zip(*columns, strict=True)
             writer.writerows([*panel, series, line, *row] for row in rows)
+        for remark in _remarks(ax):
+            writer.writerow([*panel, remark, "", "", ""])
     return table.getvalue()
+
+
+def _remarks(ax: Axes) -> Iterator[str]:
+    """What the legend says of points that are not drawn."""
+    labels = (str(line.get_label()) for line in ax.lines)
+    return (label for label in labels if label.startswith(LEFT_OUT))
 
 
 def _panel(ax: Axes) -> str:

@@ -279,7 +279,8 @@ def refuse_many(panels: Sequence[points.Line], array: xr.DataArray, spread: Sequ
         rest = ", ".join(str(d) for d in array.dims if d not in spread and array.sizes[d] > 1)
         raise UsageError(
             f"{len(panels)} maps in one figure are too many\n"
-            f"choose from {rest} with `select` in the figure"
+            f"choose from {rest} with `select` in the figure, or take two of these as the axes of "
+            'kind = "map"'
         )
 
 
@@ -370,7 +371,8 @@ def _paint_numbers(
     known = values.values[np.isfinite(values.values)]
     low, high = _ends(known, logarithmic)
     counts = np.arange(low, high + 1.0)
-    counted = is_count(str(planes.array.name)) and len(counts) <= MOST_COUNTS and not logarithmic
+    whole = is_count(str(planes.array.name)) and bool((known == known.round()).all())
+    counted = whole and len(counts) <= MOST_COUNTS and not logarithmic
     norm = _norm(low, high, logarithmic=logarithmic, counted=counted)
     below = bool((known < low).any())
     colours = colormaps["cividis"].with_extremes(under=BELOW)

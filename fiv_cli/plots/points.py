@@ -15,7 +15,7 @@ from fiv_cli.case.overrides import parse_override
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, style
-from fiv_cli.plots.drawn import DECORATION
+from fiv_cli.plots.drawn import DECORATION, LEFT_OUT
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import flag_names, is_class
 
@@ -213,7 +213,7 @@ def _leave_out(ax: Axes, logarithmic: Sequence[int]) -> None:
         count += int(out.sum()) * (line.get_label() != DECORATION)
     if count:
         ax.relim()
-        ax.plot([], [], ls="none", label=f"not above 0, not shown: {count}")
+        ax.plot([], [], ls="none", label=f"{LEFT_OUT}: {count}")
 
 
 def of_further_panels(settings: Settings) -> Settings:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from difflib import ndiff
 from typing import Any
@@ -46,8 +47,33 @@ def causes(
         for name in one | other
         if name in one.keys() & other.keys() or (what == added and name not in axes)
     ]
-    told = [f"{what}: {_spoken(a)} against {_spoken(b)}" for what, a, b in words + tables if a != b]
+    starts = _of_starts(_starts(left), _starts(right))
+    pairs = [*words, *tables, *starts]
+    told = [f"{what}: {_spoken(a)} against {_spoken(b)}" for what, a, b in pairs if a != b]
     return [*told, *_of_texts(_texts(left), _texts(right))]
+
+
+def _starts(attributes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Label of a start, or what ``--set`` says of one -> what the case says of it."""
+    try:
+        tables = tomllib.loads(attributes.get("case", "")).get("initial", [])
+    except tomllib.TOMLDecodeError:  # of a dataset that nobody has made from a case
+        return {}
+    own = {f"start {one.get('label', number)}": _flat(one) for number, one in enumerate(tables)}
+    said = (line.partition("=") for line in attributes.get("overrides", "").splitlines())
+    changed = {name: value for name, _, value in said if name.startswith("initial")}
+    return own | {"--set": changed}
+
+
+def _of_starts(
+    left: Mapping[str, dict[str, Any]], right: Mapping[str, dict[str, Any]]
+) -> list[tuple[str, Any, Any]]:
+    """What is said otherwise of starts that both have."""
+    return [
+        (f"{start} {key}", left[start].get(key, NONE), right[start].get(key, NONE))
+        for start in left.keys() & right.keys()
+        for key in left[start] | right[start]
+    ]
 
 
 def _read(attributes: Mapping[str, Any], key: str) -> dict[str, Any]:

@@ -116,8 +116,8 @@ def headlines(dataset: xr.Dataset) -> list[str]:
 
 
 def is_count(name: str) -> bool:
-    """Whether a variable is a whole number."""
-    return named(name).kind == "int"
+    """Whether a variable, or what is taken of one, is a whole number."""
+    return name in ("classes", "entries") or named(name).kind == "int"
 
 
 def error_of(name: str) -> str:
