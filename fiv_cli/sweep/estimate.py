@@ -68,7 +68,7 @@ FEW, PART, FEW_STEPS, SHORT = 4, PARTS[0], 10_000, HOUR / 3.0
 OF_TIMING = 0.1
 # Bytes of a run for each byte of results, and besides (measured on runs of 4 to a million points).
 ON_DISK, OF_FILES = 2.3, 100e3  # shards and dataset
-IN_MEMORY, OF_A_PROCESS = 1.3, 200e6
+IN_MEMORY, OF_A_PROCESS, OF_THE_FIRST = 1.3, 200e6, 250e6  # the first knows eigenvalues, too
 MERGING, MOST_MERGING = 1.7, 130e6  # shards that become one
 STARTING = 1.0  # s that a run takes besides its points
 
@@ -439,7 +439,7 @@ def _told(
 def _of_dataset(analysis: AnalysisPlan, of_a_point: float) -> float:
     """Bytes of memory of the process that assembles the dataset; a large one lies in files."""
     results = of_a_point * analysis.size
-    whole = OF_A_PROCESS + IN_MEMORY * results + min(MERGING * results, MOST_MERGING)
+    whole = OF_THE_FIRST + IN_MEMORY * results + min(MERGING * results, MOST_MERGING)
     in_files = 8 * analysis.size * len(analysis.layout.variables) > LARGE
     return min(whole, LARGE_BYTES + LARGE_POINT * analysis.size) if in_files else whole
 
