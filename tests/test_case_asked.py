@@ -297,3 +297,10 @@ def test_what_is_told_to_write_of_several_values_can_be_written() -> None:
     assert isinstance(bounds, Bounds)
     (reference,) = bounds.references.values()
     assert (reference.variable, dict(reference.at)) == ("eigenvalue_real", {"mode": 0})
+
+
+def test_a_result_of_another_analysis_narrows_nothing_and_is_told_so() -> None:
+    text = claim("growth_rate", "{ less_than = 0.0 }", 'at = { attractor = "equilibrium" }')
+    with pytest.raises(CaseError, match="'eigenvalues' has no axis 'attractor'") as caught:
+        parse_case(text, "a.toml")
+    assert "a result narrows what is claimed of its own analysis alone" in str(caught.value)

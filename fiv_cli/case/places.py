@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fiv_cli.analyses import get_analysis
+from fiv_cli.analyses.catalogue import every_variable
 from fiv_cli.analyses.variables import Variable
 from fiv_cli.case.case import AnalysisSpec, Axis, Case
 from fiv_cli.case.grammar import SAME, Test, parse_condition
@@ -53,7 +54,9 @@ class Places:
         for name, wanted in selection.items():
             if name not in (*self.grid, *self.own):
                 message = f"the analysis {self.name!r} has no axis {name!r}"
-                report.add((*place, name), message, listed([*self.grid, *self.own]))
+                hint = "a result narrows what is claimed of its own analysis alone"
+                axes = listed([*self.grid, *self.own])
+                report.add((*place, name), message, axes, hint * (name in every_variable()))
             elif name == self.contact.name:
                 _check_values(self.contact, wanted, (*place, name), report)
             elif name in self.grid and not self.is_shortened and report.is_sound(("grid", name)):
