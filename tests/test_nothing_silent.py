@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import synthetic_datasets as data
+import xarray as xr
 from small_models import TWO_MASSES
 
 from fiv_cli import api
@@ -37,6 +38,30 @@ MISTAKEN = replace(TWO_MASSES, name="mistaken", equations=_mistaken)
 def test_energies_that_are_no_number_fail_the_point(kind: str, settings: Any) -> None:
     found = api.analyse(MISTAKEN, "coulomb", kind, {"x1": 0.3}, settings, N2=8.0)
     assert (found.status, found.reason, found.values) == ("failed", "no_number", {})
+
+
+# --- points of several systems --------------------------------------------------------------------
+def test_what_rests_is_told_under_each_option_of_a_grid() -> None:
+    """Points of two systems are told side by side of both, and as each alone."""
+    case: dict[str, Any] = {
+        "schema": 1,
+        "model": {"name": "flutter-2dof"},
+        "friction": {"law": "coulomb"},
+        "grid": {"mu_k": [0.067], "c1": [0.1, 0.2, 0.3], "c2": [0.1, 0.2]},
+        "initial": [{"label": "small", "kind": "equilibrium", "offset": {"x": 1e-3}}],
+        "analysis": [{"kind": "response"}],
+    }
+    options = ["until-separation", "all"]
+    case["grid"]["states"] = options
+    both = api.run(api.load(case), workers=1)
+    assert (api.names_of(both["attractor"]) == "equilibrium").all()
+    for option in options:
+        case["grid"]["states"] = [option]
+        alone = api.run(api.load(case), workers=1)
+        xr.testing.assert_identical(
+            both[["attractor", "L_s", "n_steps"]].sel(states=[option]).drop_attrs(),
+            alone[["attractor", "L_s", "n_steps"]].drop_attrs(),
+        )
 
 
 # --- branches from elsewhere ----------------------------------------------------------------------

@@ -1818,12 +1818,14 @@ def test_a_phase_portrait_points_in_the_direction_of_its_motion():
     (ax,) = draw(found, figure("phase")).axes
     (arrow,) = ax.texts
     (x, y), (next_x, _) = arrow.xyann, arrow.xy
-    assert y == pytest.approx(float(found["phi_dot"].max()), rel=1e-3)
-    assert next_x > x  # at the top phi grows
+    assert (next_x - x) * y > 0.0  # phi grows where its rate is above zero
+    corners = np.concatenate([c.get_segments() for c in ax.collections if len(c.get_segments())])
+    nearest = np.abs((corners.reshape(-1, 2) - arrow.xy) / np.ptp(corners, axis=(0, 1))).max(axis=1)
+    assert nearest.min() < 0.01
     begun = found["time"] < 1.0
     resting = found.assign({name: found[name].where(begun, 0.0) for name in ("phi", "phi_dot")})
     (arrow,) = draw(resting, figure("phase")).axes[0].texts  # not where it rests
-    assert arrow.xyann[1] > 0.05
+    assert np.abs(arrow.xyann / np.abs(corners).max(axis=(0, 1))).max() > 0.1
 
 
 def test_a_phase_portrait_of_other_states():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import traceback
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -36,16 +36,20 @@ def execute(request: Request) -> Outcome:
 def execute_all(requests: Sequence[Request]) -> Iterator[Outcome]:
     """`execute` each of the points of one analysis: at once what can be, as the same.
 
-    Motions that take a time of their own are run when their outcomes are asked for.
+    Motions that take a time of their own are run when their outcomes are asked for; columns are
+    filled when one more is asked for than there are.
     """
     blocks: dict[Hashable, list[Request]] = {}
     for request in requests:
         blocks.setdefault(request.setup.key, []).append(request)
     running = {key: _executed(block) for key, block in blocks.items()}
-    return (next(running[request.setup.key]) for request in requests)
+    for request in requests:
+        yield next(running[request.setup.key])
+    for answering in running.values():
+        answering.close()
 
 
-def _executed(block: Sequence[Request]) -> Iterator[Outcome]:
+def _executed(block: Sequence[Request]) -> Generator[Outcome]:
     done = 0
     try:
         for outcome in answers(block):

@@ -27,6 +27,8 @@ HEAD: dict[str, Any] = {
     "arrowstyle": "-|>", "mutation_scale": 10.0, "color": style.BLACK, "lw": 0.0,
     "shrinkA": 0.0, "shrinkB": 0.0,
 }  # fmt: skip
+# A head's length, and how far along a curve a place for it is looked for, as shares of its extent.
+ROOM, TURN, PLACES = 0.06, 4.0, 300
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
@@ -136,14 +138,19 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
 
 
 def _point_onwards(ax: Axes, path: np.ndarray) -> None:
-    """An arrowhead in the direction of the motion, at the top of its curve: where that is seen in
-    the second half, which is nearer to a closed one, there."""
+    """An arrowhead in the direction of the motion, on the straightest stretch of its curve: where
+    that is seen in the second half, which is nearer to a closed one, there."""
     halves, extent = (path[len(path) // 2 :], path), np.ptp(path, axis=0)
     late = next(half for half in halves if (np.ptp(half, axis=0) >= SEEN * extent).all())
-    top = int(np.argmax(late[:-1, 1]))
-    onwards = np.flatnonzero((late[top:] != late[top]).any(axis=1))  # an event has two instants
-    if onwards.size:
-        ax.annotate("", late[top + onwards[0]], late[top], arrowprops=HEAD)
+    scaled = late / np.where(extent > 0.0, extent, 1.0)
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(scaled, axis=0), axis=1)))
+    places = np.linspace(0.0, min(along[-1], TURN), PLACES)
+    even = np.column_stack([np.interp(places, along, scaled[:, axis]) for axis in (0, 1)])
+    reach = min(1 + int(ROOM * PLACES / max(places[-1], ROOM)), PLACES // 3 - 1)
+    chords = np.linalg.norm(even[3 * reach :] - even[: -3 * reach], axis=1)
+    if along[-1] > 0.0:
+        tail, tip = (even[int(chords.argmax()) + n * reach] * extent for n in (1, 2))
+        ax.annotate("", tip, tail, arrowprops=HEAD)
 
 
 def _held(one: motion.Motion, names: tuple[str, str]) -> float:
