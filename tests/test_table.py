@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import synthetic_datasets as data
 
+from fiv_cli import api
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.errors import UsageError
 from fiv_cli.reading.datasets import is_class
@@ -156,3 +157,16 @@ def test_everything_is_as_many_tables_as_it_takes():
     assert sorted(name for names in told for name in names) == sorted(found.data_vars)
     for names in told:
         assert {*names} <= {*rows(found, *names)[0]}
+
+
+def test_forces_of_a_history_have_a_column_for_each_contact():
+    """Over time a row for each instant; of what is neither counted nor named there is no column."""
+    asked = {"kind": "history", "t_end": 1.0, "sample": 0.5}
+    case = {"schema": 1, "model": {"name": "belt-2mass"}, "analysis": [asked]}
+    start = {"label": "far", "kind": "state", "state": {"x1": 1.0}}
+    found = api.run(api.load(case | {"initial": [start]}), workers=1)
+    told = rows(found, "F_T[*]")
+    for number, forces in enumerate(found["F_T"].squeeze().transpose("contact", "time"), 1):
+        assert [float(row[f"F_T[{number}]"]) for row in told] == forces.values.tolist()
+    with pytest.raises(UsageError, match=r"x1\[\*\]: no variable .*\n.*\nnext: --csv x1, a row"):
+        rows(found, "x1[*]")

@@ -711,7 +711,8 @@ def _at_points_of(
         if dim not in points.dims or dim in own or is_label:
             if not is_one:
                 message = (
-                    f"{dim}: an axis of what it is compared with; narrow it to one in its `at`"
+                    f"{dim}: an axis of what it is compared with, and none of the claim's own "
+                    "(axes are one by their names, and zipped alike); narrow it to one in its `at`"
                 )
                 raise select.SelectionError(message)
             array = array.isel({dim: 0}, drop=True)

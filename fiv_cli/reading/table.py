@@ -65,9 +65,13 @@ def _columns(dataset: xr.Dataset, name: str, wanted: str) -> dict[str, xr.DataAr
     if not wanted:
         return {name: values}
     own = [str(dim) for dim in values.dims if dim not in dataset["status"].dims]
+    own = [dim for dim in own if select.axis_of(dataset, dim).dtype.kind != "f"]  # nor over time
     if len(own) != 1 or select.row_sizes(dataset, name) is not None:
         told = f"it has values along: {', '.join(map(str, values.dims)) or 'nothing'}"
-        raise UsageError(f"{name}[{wanted}]: no variable with one axis of its own\n{told}")
+        raise UsageError(
+            f"{name}[{wanted}]: no variable with one axis of its own that is "
+            f"counted or named\n{told}\nnext: --csv {name}, a row for each value"
+        )
     axis = select.axis_of(dataset, own[0])
     kept = (
         np.full(axis.size, True) if wanted == "*" else select.matching(axis, wanted, nearest=False)
