@@ -319,17 +319,17 @@ def _coordinates(layout: Layout) -> dict[str, Labelled]:
     if layout.labels is not None:
         coordinates["initial"] = _texts("initial", layout.labels, "start of the run")
     for name, value in layout.fixed.items():
-        attributes = _axis_attributes(Axis(name, "parameter", ()), layout)
+        attributes = axis_attributes(Axis(name, "parameter", ()), layout)
         coordinates[name] = Labelled((), np.array(value), attributes)
     return coordinates
 
 
 def _axis_coordinate(axis: Axis, dim: str, layout: Layout) -> Labelled:
     values = _text(axis.values) if axis.kind in ("option", "law") else np.array(axis.values, float)
-    return Labelled((dim,), values, _axis_attributes(axis, layout))
+    return Labelled((dim,), values, axis_attributes(axis, layout))
 
 
-def _axis_attributes(axis: Axis, layout: Layout) -> dict[str, str]:
+def axis_attributes(axis: Axis, layout: Layout) -> dict[str, str]:
     """Unit, meaning and symbol of an axis."""
     if axis.kind == "parameter":
         parameter = _parameter(axis.name, layout)

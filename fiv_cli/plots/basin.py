@@ -164,7 +164,7 @@ def _shares(dataset: xr.Dataset, index: Mapping[str, int]) -> dict[str, str]:
     found = {}
     for name, count in zip(names.tolist(), counts.tolist(), strict=True):
         share = count / total
-        told = with_error(share, np.sqrt(share * (1.0 - share) / total))
+        told = with_error(share, shares.standard_error(share, total))
         found[name] = told if sample else f"{count} of {total}"
         if count == total:
             found[name] = f"(all {total})"

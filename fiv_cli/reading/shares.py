@@ -48,7 +48,12 @@ def with_standard_error(
     if not is_sample(taken_of, drawn):
         return shares
     share, size = shares["share"], taken_of.sizes.get("initial", 1)
-    return shares.assign({ERROR: (share * (1.0 - share) / size) ** 0.5})
+    return shares.assign({ERROR: standard_error(share, size)})
+
+
+def standard_error(share: Any, size: Any) -> Any:
+    """That of a share of so many starts drawn at random; numbers, or arrays of them."""
+    return (share * (1.0 - share) / size) ** 0.5
 
 
 def drawn_of(dataset: xr.Dataset) -> list[str]:
@@ -68,7 +73,7 @@ def _of_classes(reached: xr.DataArray) -> dict[str, dict[str, Share]]:
     for code, name in flag_names(reached.attrs).items():
         share = ((reached == code).sum("initial") / count.where(count > 0)).values.ravel()
         if name != NOT_COMPUTED and np.nanmax(share, initial=0.0) > 0.0:
-            error = np.sqrt(share * (1.0 - share) / count.values.ravel())
+            error = standard_error(share, count.values.ravel())
             ends = {"least": np.nanargmin(share), "greatest": np.nanargmax(share)}
             found[name] = {end: (float(share[i]), float(error[i])) for end, i in ends.items()}
     return found

@@ -18,14 +18,13 @@ from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
 from fiv_cli.case.identity import MOTION, default_output, fingerprint
-from fiv_cli.data.assemble import assemble
+from fiv_cli.data.assemble import assemble, axis_attributes
 from fiv_cli.data.dataset import Dataset
-from fiv_cli.data.layout import Dim
+from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.data.netcdf import global_attributes, write_datasets
 from fiv_cli.data.provenance import provenance
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import REASONS, STATUS, advice
-from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.notation.units import convert
 from fiv_cli.sweep.output import check_output
@@ -94,7 +93,7 @@ def find_point(case: Case, at: Mapping[str, str]) -> Point:
             raise UsageError(
                 f"--at {name}: no axis of this case\nnext: choose from {', '.join(names)}"
             )
-    written = _canonical(case, at)
+    written = _canonical(case, layout, at)
     indices = _indices(dims, written)
     values = [axis.values[i] for dim, i in zip(dims, indices, strict=True) for axis in dim.axes]
     _refuse_excluded(analysis, tuple(values[:-1]))
@@ -243,27 +242,19 @@ def _with_starts(case: Case) -> AnalysisPlan:
     )
 
 
-def _canonical(case: Case, at: Mapping[str, str]) -> dict[str, str]:
+def _canonical(case: Case, layout: Layout, at: Mapping[str, str]) -> dict[str, str]:
     """`at` with numbers in SI, and each option that is a list (``[[0, 0]]``) as its text."""
-    texts, units = dict(at), _units(case)
-    for name, text in at.items():
-        if name in units and _number(text) is None:
-            with suppress(ValueError):  # noted where the axis is searched
-                texts[name] = repr(convert(text.strip("\"' "), units[name]))
+    texts, axes = dict(at), [axis for dim in layout.dims for axis in dim.axes]
+    for axis in [one for one in axes if one.name in at and _number(at[one.name]) is None]:
+        with suppress(ValueError, KeyError):  # noted where the axis is searched; names have no unit
+            unit = axis_attributes(axis, layout)["units"]
+            texts[axis.name] = repr(convert(at[axis.name].strip("\"' "), unit))
     for option in get_model(case.model).options:
         if option.read is not None and option.name in texts:
             with suppress(ValueError):  # noted where the axis is searched
                 text = texts[option.name]
                 texts[option.name] = option.text(json.loads(text) if "[" in text else text)
     return texts
-
-
-def _units(case: Case) -> dict[str, str]:
-    """Parameter, or state of a start -> its unit."""
-    model = get_model(case.model)
-    parameters = (p for law in case.laws for p in model.parameters_under(get_law(law)))
-    states = {f"initial.{state.name}": state.unit for state in model.states(case.options)}
-    return {parameter.name: parameter.unit for parameter in parameters} | states
 
 
 def _indices(dims: Sequence[Dim], at: Mapping[str, str]) -> list[int]:

@@ -221,7 +221,7 @@ def _outcomes_of(
             ending.heed()
             pulse.beat(together)
         outcomes.append(refusal or next(found))
-    next(found, None)
+    next(found, None)  # which fills the columns that are read now
     return [_placed(*one, template) for one in zip(outcomes, requests, strict=True)]
 
 

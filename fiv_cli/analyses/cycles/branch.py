@@ -48,9 +48,7 @@ FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-10  # lengths of a step along the bran
 ORDINARY = 1e-3  # a step as long as this is not about to meet an end
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
-OPEN = (
-    1e-10  # of a motion's extent, per unit of its multiplier: what does not close to it is no cycle
-)
+OPEN = 1e-10  # of a motion's extent, per unit of its multiplier: what is so far open is no cycle
 ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen ...
 BENT = 0.2  # ... and one of the same events
 STRAIGHT = 0.005  # share of it by which a cycle of another branch lies off at least ...
