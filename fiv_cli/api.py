@@ -365,7 +365,7 @@ def names_of(flags: xr.DataArray) -> xr.DataArray:
     names = flag_names(flags.attrs)
     if not names:
         raise UsageError(f"{flags.name}: holds numbers, not classes\nnext: take its values")
-    return apply_ufunc(lambda code: names.get(code, ""), flags, vectorize=True)
+    return apply_ufunc(lambda code: names.get(code, ""), flags, vectorize=True, output_dtypes=[str])
 
 
 def observations(data: str | Path | Results, variable: str, **at: Any) -> xr.DataArray:

@@ -347,6 +347,7 @@ def test_numbers_have_no_names() -> None:
     found = api.run(api.load(ONE))
     with pytest.raises(api.UsageError, match="L_s: holds numbers"):
         api.names_of(found["L_s"])
+    assert api.names_of(found["status"][:0]).size == 0
 
 
 # --- one point without a case --------------------------------------------------------------------

@@ -764,3 +764,45 @@ def test_the_end_of_stick_slip_is_one_however_closely_it_is_bisected(width: floa
     ]
     # by SciPy's DOP853 from the release, at 1e-13
     assert abs(grazing[0] - 0.87243760397) <= grazing[1] <= 1e-7
+
+
+def cycle_case(
+    model: dict[str, Any], friction: dict[str, Any], state: dict[str, str], **analysis: Any
+) -> Any:
+    """The cycle that a case reaches from a state, watched where x turns."""
+    section = {"zero": "x_dot", "direction": "both"}
+    return api.run(
+        api.load(
+            {"schema": 1, "model": model, "friction": friction}
+            | {"initial": [{"kind": "state", "state": state}]}
+            | {"analysis": [{"kind": "cycle", "section": section, "observe": "x"} | analysis]}
+        ),
+        workers=1,
+    )
+
+
+@pytest.mark.parametrize("c", [6.0, 10.0])
+@pytest.mark.parametrize("width", [1e-8, 1e-11, 1e-13])
+def test_a_cycle_shrinks_to_rest_within_the_error(c: float, width: float) -> None:
+    """Where the law falls as fast as the damping rises: as the last digits of tiny cycles tell."""
+    belt = {"m": 5.0, "k": 2000.0, "c": c, "N": 50.0, "v": 0.3}
+    law = {"law": "stribeck", "mu_s": 0.5, "mu_k": 0.3, "v_s": 0.1}
+    model = {"name": "belt-1dof", "parameters": belt}
+    found = cycle_case(model, law, {"x_dot": "v"}, parameter="v", bracket=[0.1, 0.6], width=width)
+    assert api.names_of(found["cycle_end_kind"]).values[-1] == "equilibrium"
+    told, error = (found[f"cycle_end{of}"].values[-1] for of in ("", "_error"))
+    assert abs(told - 0.1 * log(100.0 / c)) <= error <= max(width, 1e-9)
+
+
+def test_cycles_of_all_sizes_at_one_parameter_lead_to_rest() -> None:
+    """Flutter that only slips is linear: at the critical friction it is neutral up to a grazing."""
+    model = {"name": "flutter-2dof", "parameters": {"c1": 0.1, "c2": 0.1}}
+    model |= {"options": {"states": "all"}}
+    asked = {"parameter": "mu_k", "bracket": [3.0, 8.8], "transient": 500.0, "t_max": 600.0}
+    found = cycle_case(model, {"law": "coulomb", "mu_k": 5.0}, {}, **asked)
+    kinds = api.names_of(found["cycle_end_kind"]).values.tolist()
+    assert kinds == ["equilibrium", "grazing", "fold", "fold", "bracket"]
+    told, error = (found[f"cycle_end{of}"].values[0] for of in ("", "_error"))
+    assert abs(told - 4.38133283987163) <= error <= 1e-10  # of the eigenvalues, in 40 digits
+    size = (found["branch_max"] - found["branch_min"]).values
+    assert size[0] < 0.01 * size.max()

@@ -28,6 +28,18 @@ def test_a_release_at_all_the_capacity_goes_on(law: str) -> None:
         assert "stick->slip+" in transitions(begun)
 
 
+@pytest.mark.parametrize("law", ["coulomb", "stribeck"])
+@pytest.mark.parametrize(("edge", "code"), [(-0.014, CODE_STICK), (0.011, CODE_SLIP_PLUS)])
+def test_a_start_at_all_the_capacity_goes_on(law: str, edge: float, code: int) -> None:
+    """Carried by a belt towards the spring's rest it sticks, away from it it slips at once."""
+    held = {"m": 5.0, "k": 2000.0, "c": 10.0, "N": 50.0, "v": 0.3, "mu_s": 0.5, "mu_k": 0.3}
+    for ulps in range(-20, 21):
+        start = {"x": edge * (1 + ulps * 2.0**-52), "x_dot": 0.3}
+        begun = motion("belt-1dof", law, start, **held)
+        assert begun.codes == [code]
+        assert begun.run(0.5) == Stop.REACHED
+
+
 @pytest.mark.parametrize(("turn", "code"), [(-10.0, CODE_SLIP_MINUS), (10.0, CODE_SLIP_PLUS)])
 def test_what_stuck_slides_the_way_it_is_left_behind(turn: float, code: int) -> None:
     """A box on a belt that jerks: the last digits of its slip velocity say nothing.

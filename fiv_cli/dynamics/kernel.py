@@ -527,6 +527,8 @@ def known_zeros_of(
             return 2  # test_a_release_at_all_the_capacity_goes_on
     if run.task == ENTER and (kind == GAP or kind == NORMAL):
         return zeros_at_start(run, index, guard)  # test_what_is_lifted_separates_at_once
+    if run.task == ENTER and (kind == CAPACITY_UP or kind == CAPACITY_DOWN):
+        return zeros_at_start(run, index, guard)  # test_a_start_at_all_the_capacity_goes_on
     if kind == VELOCITY and run.is_at_rest[contact] == 1:
         return 1  # test_what_stuck_slides_the_way_it_is_left_behind
     if contact == trigger_contact and kind == trigger_kind:

@@ -441,7 +441,10 @@ def _up_to_the_next(dataset: xr.Dataset, part: xr.Dataset, take: Mapping[str, An
     beyond = math.copysign(math.inf, along[-1] - along[0])
     following = dict(zip(along, np.nextafter([*along[1:], beyond], along), strict=True))
     ends = ends_of(part, what)
-    onward = [xr.apply_ufunc(np.vectorize(lambda x: following.get(x, x)), end) for end in ends]
+    onward = [
+        xr.apply_ufunc(np.vectorize(lambda x: following.get(x, x), otypes=[float]), end)
+        for end in ends
+    ]
     low, high = np.fmin(*ends), np.fmax(*ends)
     return part.assign(
         {

@@ -48,7 +48,9 @@ FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-10  # lengths of a step along the bran
 ORDINARY = 1e-3  # a step as long as this is not about to meet an end
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
+EPSILON = 2.0**-52  # the last digit of 1
 OPEN = 1e-10  # of a motion's extent, per unit of its multiplier: what is so far open is no cycle
+BLURRED = 0.1  # share of that, from which on the last digits of the states alone open it
 ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen ...
 BENT = 0.2  # ... and one of the same events
 STRAIGHT = 0.005  # share of it by which a cycle of another branch lies off at least ...
@@ -79,6 +81,7 @@ SAME = 1e-6  # share of period and extent within which two cycles are one
 EDGE = 1e-12  # share of the bracket within which a value counts as its edge
 STEEP = 0.3  # a direction with more of the parameter in it than this is well off a fold
 UPRIGHT = 0.1  # a direction with less of the parameter in it than this is about to turn
+LEVEL = 1e-8  # ... and with less than this does so by rounding: the branch stands upright there
 SHRUNK = 1e-2  # a cycle this much smaller than the first one may be about to vanish
 CLOSE_TO_ONE = 0.05  # a multiplier may pass 1 within a step from there
 ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a real one
@@ -150,6 +153,8 @@ class Point:
     unknowns : its unknowns in `frame`, and the parameter over the extent of the bracket
     tangent : direction of the branch in these unknowns, of length one
     inverse : of the conditions' derivative, for steps across any direction but the branch's
+    kept : the way along the parameter and the stability of the point before it, where rounding
+        alone would decide them; else None
     """
 
     value: float
@@ -158,6 +163,7 @@ class Point:
     unknowns: Vector
     tangent: Vector
     inverse: Matrix
+    kept: tuple[bool, bool] | None = None
 
     @property
     def slope(self) -> float:
@@ -165,9 +171,9 @@ class Point:
         return float(self.tangent[-1])
 
     @cached_property
-    def character(self) -> tuple[object, ...]:
+    def character(self) -> tuple[bool, bool, object]:
         """What changes at a mark: way along the parameter, stability, sequence of events."""
-        return self.slope > 0.0, self.cycle.stable, self.cycle.signature
+        return *(self.kept or (self.slope > 0.0, self.cycle.stable)), self.cycle.signature
 
 
 @dataclass(frozen=True)
@@ -181,8 +187,9 @@ class End:
     kind : see the constants of this module
     direction : 1 where the parameter was rising along the branch, else -1
     goes_on : whether the branch was followed beyond
-    last : the last point before it; None where it was not bracketed
-    well_before : the last before it from which the branch went on in steps of ordinary length
+    last : the last point before it; None where it is not found by it
+    well_before : the last before it from which the branch went on in steps of ordinary length; None
+        where no step failed
     beyond : the first point after it; None where there is none
     """
 
@@ -358,6 +365,8 @@ def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations
     gone = unknowns - before.unknowns
     way = [motion.y - behind.y, gone[len(frame.scales) : -1] * frame.period, gone[-1:] * line.span]
     point = _framed(line, moved, value, np.concatenate(way))
+    if point is not None and abs(point.slope) <= LEVEL:
+        return replace(point, kept=before.character[:2])
     return None if point is None else _unreversed(before, point, float(gone[-1]))
 
 
@@ -368,7 +377,7 @@ def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
     there is no point, nor where the branch seems to turn and cannot; where the new one alone
     contradicts it, well off a fold, it is turned round.
     """
-    if before.cycle.signature != point.cycle.signature:
+    if before.kept or before.cycle.signature != point.cycle.signature:
         return point
     if before.cycle.largest > max(UNBOUND, JUMPED * point.cycle.largest):
         return None  # a multiplier without bound does not fall at once: another cycle
@@ -603,7 +612,7 @@ def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | N
     rest = share * (here.value - points[-2].value)
     if abs(rest) > line.width:
         return None
-    return End(here.value + rest, abs(rest), AT_REST, way_of(here), False)
+    return End(here.value + rest, abs(rest), AT_REST, way_of(here), False, here)
 
 
 def _passes(line: Continuation, first: Point, before: Point, here: Point) -> bool:
@@ -619,12 +628,33 @@ def _passes(line: Continuation, first: Point, before: Point, here: Point) -> boo
     return bool(np.max(apart) <= SAME)
 
 
+def moved_by(line: Continuation, here: Point) -> float:
+    """How far the parameter of a cycle moves on a `line` of other tolerance, to first order.
+
+    Across the branch's direction there; NaN where the motion does not last.
+    """
+    found = _conditions(line, here.frame, here.unknowns)
+    if found is None:
+        return float("nan")
+    return float(here.inverse[-1] @ np.append(found.values, 0.0)) * line.span
+
+
 def openness(line: Continuation, here: Point) -> float:
-    """Change of the parameter that opens a cycle as far as this one is; NaN where none does."""
+    """Change of the parameter that opens a cycle as far as this one is; NaN where none does.
+
+    It is open by what its states' last digits are of its extent at least: a residual that is less
+    is luck.
+    """
     found = _conditions(line, here.frame, here.unknowns)
     jacobian = None if found is None else found.jacobian()
     rate = 0.0 if jacobian is None else float(np.linalg.norm(jacobian[:, -1]))
-    return here.cycle.residual * line.span / rate if rate > 0.0 else float("nan")
+    gap = max(here.cycle.residual, last_digits(here.cycle))
+    return gap * line.span / rate if rate > 0.0 else float("nan")
+
+
+def last_digits(cycle: Cycle) -> float:
+    """What the last digits of its states are of a cycle's extent."""
+    return EPSILON * float(np.max(np.abs(cycle.extremes) / cycle.scales))
 
 
 def is_close(line: Continuation, here: Point, length: float) -> bool:
@@ -633,7 +663,7 @@ def is_close(line: Continuation, here: Point, length: float) -> bool:
 
 
 def way_of(point: Point) -> int:
-    return 1 if point.slope > 0.0 else -1
+    return 1 if point.character[0] else -1
 
 
 def reach_of(line: Continuation, here: Point, length: float) -> float:
@@ -755,6 +785,8 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
             return GRAZING
     if here.cycle.largest > UNBOUND:
         return GRAZING
+    if here.kept and last_digits(here.cycle) > BLURRED * OPEN:
+        return AT_REST  # too small for its digits, before the parameter came as close as asked
     return FOLD if abs(here.slope) < UPRIGHT else OTHER
 
 

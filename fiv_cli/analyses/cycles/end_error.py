@@ -21,6 +21,7 @@ from fiv_cli.analyses.cycles.branch import (
     closer,
     is_close,
     middle_of,
+    moved_by,
     openness,
     step,
 )
@@ -32,14 +33,17 @@ SLACK = 10.0  # times as much as opens the last cycle as far as it is: so far th
 
 def end_error(line: Continuation, end: End) -> float:
     """Distance within which a change or an end lies; NaN where it is not found again."""
-    if end.last is None or end.well_before is None:  # an edge, a first cycle, a shrinking one
+    if end.last is None:  # an edge, a first cycle
         return end.width
     solver = line.problem.solver.with_error(LOOSER)
     looser = replace(line, problem=replace(line.problem, solver=solver))
+    unsure = end.width + SLACK * openness(line, end.last)
+    if end.well_before is None:  # the cycle shrinks to rest
+        return unsure + abs(moved_by(looser, end.last))
     again = _found_again(looser, end.well_before)
     if again is None:
         return float("nan")
-    apart = end.width + abs(again - end.value) + SLACK * openness(line, end.last)
+    apart = unsure + abs(again - end.value)
     return float(np.maximum(apart, _to_grazing(end.well_before, end.last)))
 
 
