@@ -126,7 +126,10 @@ REASONS: tuple[Reason, ...] = (
         "stick bears",
     ),
     Reason("stuck", "what sticks holds all and nothing moves: an equilibrium, but not of sliding"),
-    Reason("no_drive", "the drive stands still, so nothing slides at rest: give it a speed"),
+    Reason(
+        "no_drive",
+        "the drive of a contact stands still, so not all contacts slide at rest: give each a speed",
+    ),
     Reason(
         "contact_would_pull",
         "every sliding equilibrium needs a negative normal force, or lies beyond a stop: raise the "

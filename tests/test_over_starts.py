@@ -18,6 +18,7 @@ from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
 from fiv_cli.reading.over_laws import stretches
 
 DAMPING = 0.2
+HELD = {"here": 0.1, "there": -0.2}  # m, of either the spring pulls less than friction holds
 NAMES = {"e": "equilibrium", "p": "periodic", "c": "chaotic", "u": "undecided"}
 BELT = f"""\
 schema = 1
@@ -94,6 +95,9 @@ def test_undecided_points_are_no_difference_and_cycles_of_one_class_may_be_two()
         "cycles": 3,
         "another": 1,
         "another_at": ["mu_k = 2"],
+        "stuck": 0,
+        "elsewhere": 0,
+        "elsewhere_at": [],
         "classes": {"periodic against equilibrium": 1, "chaotic against periodic": 1},
     }
     first, second = over_starts.lines([told])
@@ -110,6 +114,26 @@ def test_a_few_starts_are_told_in_pairs_and_many_together() -> None:
     (many,) = reached({"a": "eepp", "b": "eepp", "c": "euup", "d": "epep"})
     assert (many["starts"], many["differ"], many["points"]) == ("all 4 starts", 2, 4)
     assert over_starts.lines([many])[0].endswith("points decided, mu_k = 1 to 2")
+
+
+def test_starts_that_end_stuck_elsewhere_are_not_the_same() -> None:
+    """A box on a belt that stands still stays where friction holds it."""
+    table = {
+        "schema": 1,
+        "model": {"name": "belt-1dof", "parameters": {"v": 0.0}},
+        "initial": [{"kind": "state", "label": n, "state": {"x": x}} for n, x in HELD.items()],
+        "analysis": [{"kind": "response"}],
+    }
+    found = api.run(api.load(table, {"grid.k": [1.0, 2.0]}), workers=1)
+    (told,) = over_starts.differing(found)
+    assert over_starts.lines([told]) == [
+        "  starts here and there: stuck elsewhere at 2 of 2 points where several are stuck, "
+        "k = 1 to 2 N m-1"
+    ]
+    (same,) = over_starts.differing(found.assign(x_max=found["x_max"] * 0.0))
+    assert over_starts.lines([same]) == [
+        "  starts here and there: the same at all 2 points decided"
+    ]
 
 
 def test_over_several_axes_the_range_of_each_is_told() -> None:

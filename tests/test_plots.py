@@ -1533,6 +1533,25 @@ def test_a_curve_of_shares_of_random_starts_has_their_standard_error(kind, bars)
         assert high - low == pytest.approx(2.0 * np.sqrt(p * (1.0 - p) / 200))
 
 
+def test_a_dataset_without_the_axis_of_a_curve_lies_across_it():
+    found = data.bifurcation()
+    alone = found.isel(Omega=40, initial=1, drop=True)
+    (ax,) = draw([("swept", found), ("alone", alone)], figure("curve", variable="L_s")).axes
+    (level,) = (line for line in ax.lines if line.get_label() == "alone")
+    assert level.get_xdata().tolist() == [0.5, 5.0]
+    assert set(level.get_ydata()) == {alone["L_s"].item()}
+
+
+def test_a_line_of_a_curve_without_any_value_is_said_to_have_none():
+    found = data.bifurcation()
+    found["L_s"] = found["L_s"].where(found["initial"] == "far")
+    (ax,) = draw(found, figure("curve", variable="L_s")).axes
+    assert "near: no value" in legend_texts(ax) and "far" in legend_texts(ax)
+    printed = summary_lines(summarise({"": found}))
+    (told,) = (line for line in printed if " L_s " in line)
+    assert told.endswith(f" rad2 (at {found['L_s'].count().item()} of 92 points)")
+
+
 @pytest.mark.parametrize("name", ["L_s_error", "L_s_standard_error"])
 def test_a_value_that_has_an_error_of_its_own_has_a_bar(name):
     found = data.bifurcation()
@@ -1554,6 +1573,10 @@ def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind,
     assert len(printed) == told
     if told:
         rest, moving = re.findall(r" (?:equilibrium|periodic) ([^,;]*)", printed[0])
+        assert rest.endswith(" (all of 200: at least 0.985 at 95%)")  # 0.985 ** 200 is 0.05
+        rest, none = rest.split(" (")[0], " (none of 200: at most 0.01 at 95%)"
+        assert none in moving
+        moving = moving.replace(none, "")
         one, error = map(float, rest.split(" to ")[0].split(" ± "))
         assert abs(one - np.pi / 36.0) < 3 * error and rest.endswith(" to 1")
         assert error == pytest.approx(np.sqrt(one * (1 - one) / 200), rel=0.05)

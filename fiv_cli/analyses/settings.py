@@ -681,7 +681,7 @@ class QuestionSetting(TableSetting):
         if value.below is not None:
             numbers = known.numbers()
             if value.variable not in numbers:
-                message = f"{value.variable!r} is no number"
+                message = f"{value.variable!r} is not one number at each point"
                 yield unknown(message, value.variable, numbers, "variable")
             return
         if value.variable != "attractor":

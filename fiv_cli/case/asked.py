@@ -390,7 +390,7 @@ def _check_drawn(
 
 def _at_section(name: str, known: Mapping[str, Variable | None]) -> str:
     """How the extremes of a state come to be the values at a section; "" of what is none."""
-    state = re.sub("_(min|max)$", "", name)
+    state = re.sub("_(min|max|amplitude)$", "", name)
     if state == name or f"{state}_dot" not in map(_stem, known) or "section_value" not in known:
         return ""
     section = f'observe = "{state}" and section = {{ zero = "{state}_dot" }}'

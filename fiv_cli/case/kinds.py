@@ -68,7 +68,10 @@ FIGURES = {
         "the same section (of unstable ones on another their extremes)",
         ("x", "variable"),
     ),
-    "curve": ("a variable along an axis, a line for each start", ("x", "y", "variable", "take")),
+    "curve": (
+        "a variable along an axis, a line for each start; of a dataset without the axis, across",
+        ("x", "y", "variable", "take"),
+    ),
     "branch": ("branches of cycles and their ends, along their parameter", ()),
     "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x", "unit")),
     "history": ("states and forces in time", ("variable", "contact", "window")),

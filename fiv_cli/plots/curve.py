@@ -80,26 +80,31 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     names = variables_of(dataset, settings)
     for layer in layers:
         _refuse_without(layer, names)
-    panels = _panels(dataset, names)
+    panels, axis = _panels(dataset, names), points.abscissa(dataset, settings)
+    along = [layers[0], *(one for one in layers[1:] if select.has_axis(one.dataset, axis.name))]
     drawn = [
         (place, curve)
         for layer in layers
         for place, own in enumerate(panels)
         for name in own
-        for curve in _curves(layer, name, len(own) > 1, settings)
+        for curve in (
+            _curves(layer, name, len(own) > 1, settings)
+            if any(layer is one for one in along)
+            else _across(layer, name, points.positions(axis))
+        )
     ]
     anything = any(np.isfinite([curve.y, *curve.ends]).any() for _, curve in drawn)
     points.refuse_empty(dataset, anything, names[0])
     figure, axes = style.new_panels(len(panels), 1, points.title(dataset), sharex=True)
     entries = points.entries([curve.label for _, curve in drawn])
-    numeric = select.is_numeric(points.abscissa(dataset, settings))
+    numeric = select.is_numeric(axis)
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
         _panel(ax, [dataset[name] for name in own], lines, numeric)
         if any(_standard_error(name) in dataset for name in own):
             ax.set_ylabel(f"{ax.get_ylabel()} ± standard error")
     told = "undecided" if names == ["attractor"] else ""
-    points.dress(axes, layers, settings, told)
+    points.dress(axes, along, settings, told)
     return figure
 
 
@@ -267,8 +272,24 @@ def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settin
         )
         jumps = (np.flatnonzero((told[1:] != told[:-1]) | _turns_back(x)) + 1).tolist()
         label = points.joined(words, layer.label, line.label)
+        label += ": no value" * bool(label and not np.isfinite([y, *ends]).any())
         curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps))
     return curves
+
+
+def _across(layer: points.Layer, name: str, x: np.ndarray) -> list[_Curve]:
+    """The values of a dataset that does not vary along the abscissa, each over all of it."""
+    array, ends = numbers(layer.dataset[name]), np.array([x.min(), x.max()])
+    flat = [
+        (points.joined(layer.label, line.label), np.full(2, float(array.isel(line.index))))
+        for line in points.lines(layer.dataset, [], [str(dim) for dim in array.dims])
+    ]
+    sure = np.zeros(2, bool)
+    return [
+        _Curve(label, ends, y, sure, (y, y), np.zeros(2), mark={"marker": "None"})
+        for label, y in flat
+        if np.isfinite(y).all()
+    ]
 
 
 def _by_sort(

@@ -30,12 +30,15 @@ def differing(dataset: xr.Dataset) -> list[dict[str, Any]]:
         many ``points`` two of them are decided, at how many of these they ``differ`` in class and
         where (``at``), of a pair also between which ``classes`` how often; and at how many they
         reach one class but ``another`` cycle, as L_s says, and where (``another_at``), of those
-        at which the L_s of several ``cycles`` is known
+        at which the L_s of several ``cycles`` is known; and at how many of those at which several
+        are ``stuck`` they are so ``elsewhere``, and where (``elsewhere_at``)
     """
     reached = dataset.get("attractor")
     if reached is None or reached.dims != dataset["status"].dims or "initial" not in reached.dims:
         return []
-    asked, labels = dataset[[*{"attractor", "L_s"} & {*dataset}]], dataset["initial"].values
+    displacements = [f"{n[:-8]}_max" for n in map(str, dataset) if n.endswith("_dot_max")]
+    known = {"attractor", "reason", "L_s", *displacements} & {*dataset}
+    asked, labels = dataset[[*known]], dataset["initial"].values
     if len(labels) > MOST_PAIRED:
         return [{"starts": f"all {len(labels)} starts", **_among(asked)}]
     return [_of_pair(asked.sel(initial=list(pair))) for pair in combinations(labels, 2)]
@@ -53,6 +56,7 @@ def _of_pair(pair: xr.Dataset) -> dict[str, Any]:
 def _among(dataset: xr.Dataset) -> dict[str, Any]:
     differ = _differ(dataset)
     several, another = (mask & ~differ for mask in _another(dataset))
+    stuck, elsewhere = (mask & ~differ for mask in _elsewhere(dataset))
     decided = (~is_class(dataset["attractor"], OPEN)).sum("initial")
     return {
         "points": int((decided > 1).sum()),
@@ -61,6 +65,9 @@ def _among(dataset: xr.Dataset) -> dict[str, Any]:
         "cycles": int(several.sum()),
         "another": int(another.sum()),
         "another_at": _places(another),
+        "stuck": int(stuck.sum()),
+        "elsewhere": int(elsewhere.sum()),
+        "elsewhere_at": _places(elsewhere),
     }
 
 
@@ -75,9 +82,26 @@ def _another(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     is_cycle = is_class(dataset["attractor"], ("periodic",))
     of_cycles = dataset.get("L_s", xr.zeros_like(is_cycle, float)).where(is_cycle)
     several = of_cycles.notnull().sum("initial") > 1
-    least, greatest = of_cycles.min("initial"), of_cycles.max("initial")
-    tolerance = float(json.loads(dataset.attrs["solver_json"])["rtol"])
-    return several, greatest - least > ANOTHER * tolerance * greatest
+    return several, _spread(of_cycles) > _tolerance(dataset) * of_cycles.max("initial")
+
+
+def _elsewhere(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Where several starts end stuck, and where they do so at other displacements."""
+    is_stuck = is_class(dataset.get("reason", dataset["attractor"]), ("stuck",))
+    elsewhere = is_stuck.any("initial") & False
+    for name in (name for name in map(str, dataset) if name.endswith("_max")):
+        at_rest = dataset[name].where(is_stuck)
+        elsewhere |= _spread(at_rest) > _tolerance(dataset) * abs(dataset[name]).max()
+    return is_stuck.sum("initial") > 1, elsewhere
+
+
+def _spread(values: xr.DataArray) -> xr.DataArray:
+    return values.max("initial") - values.min("initial")
+
+
+def _tolerance(dataset: xr.Dataset) -> float:
+    """Relative; what differs by more is another."""
+    return ANOTHER * float(json.loads(dataset.attrs["solver_json"])["rtol"])
 
 
 def _places(marked: xr.DataArray) -> list[str]:
@@ -120,7 +144,11 @@ def _lines(facts: Mapping[str, Any]) -> Iterator[str]:
         of = f"{facts['cycles']} points where several were found periodic"
         told = f"{facts['another']} of {of}{_named(facts['another_at'])}"
         yield f"{starts} another periodic motion at {told}"
-    if not facts["differ"] and not facts["another"]:
+    if facts["elsewhere"]:
+        of = f"{facts['stuck']} points where several are stuck"
+        told = f"{facts['elsewhere']} of {of}{_named(facts['elsewhere_at'])}"
+        yield f"{starts} stuck elsewhere at {told}"
+    if not facts["differ"] and not facts["another"] and not facts["elsewhere"]:
         yield f"{starts} the same at all {points}"
 
 

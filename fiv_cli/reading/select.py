@@ -69,6 +69,12 @@ def axis_of(dataset: xr.Dataset, name: str) -> xr.DataArray:
     raise SelectionError(f"{name}: no axis of this dataset\nits axes: {known}{hint}")
 
 
+def has_axis(dataset: xr.Dataset, axis: Hashable) -> bool:
+    """Whether `axis_of` has an axis of this name."""
+    name = str(axis).replace(".", "_")
+    return name in dataset.dims or (name in dataset.coords and dataset.coords[name].ndim == 1)
+
+
 def axis_names(dataset: xr.Dataset) -> list[str]:
     """Names of every axis that can be selected on, observations of ragged arrays left out.
 

@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ERROR = "standard_error"
-Share = tuple[float, float]
-"""A share of n starts drawn at random and its standard error, sqrt(p (1 - p) / n)."""
+SURE = 0.05  # chance with which what all of a sample, or none, show is told wrongly
+Share = tuple[float, float, int]
+"""A share of n starts drawn at random, its standard error, sqrt(p (1 - p) / n), and n."""
 
 
 def shares(dataset: xr.Dataset) -> dict[str, Any]:
@@ -73,20 +74,25 @@ def _of_classes(reached: xr.DataArray) -> dict[str, dict[str, Share]]:
     for code, name in flag_names(reached.attrs).items():
         share = ((reached == code).sum("initial") / count.where(count > 0)).values.ravel()
         if name != NOT_COMPUTED and np.nanmax(share, initial=0.0) > 0.0:
-            error = standard_error(share, count.values.ravel())
+            sizes = count.values.ravel()
+            error = standard_error(share, sizes)
             ends = {"least": np.nanargmin(share), "greatest": np.nanargmax(share)}
-            found[name] = {end: (float(share[i]), float(error[i])) for end, i in ends.items()}
+            found[name] = {
+                end: (float(share[i]), float(error[i]), int(sizes[i])) for end, i in ends.items()
+            }
     return found
 
 
 def lines(told: Mapping[str, Mapping[str, Mapping[str, Share]]]) -> list[str]:
     """The same for people, a line for each label."""
-    return [
-        f"  {f'shares of {label}':<22} "
-        + ", ".join(f"{name} {_span(**ends)}" for name, ends in classes.items())
-        + "; ± standard error"
+    spans = {
+        label: ", ".join(f"{name} {_span(**ends)}" for name, ends in classes.items())
         for label, classes in told.items()
         if classes
+    }
+    return [
+        f"  {f'shares of {label}':<22} {span}" + "; ± standard error" * ("±" in span)
+        for label, span in spans.items()
     ]
 
 
@@ -95,5 +101,10 @@ def _span(least: Share, greatest: Share) -> str:
 
 
 def _shown(share: Share) -> str:
-    """``0.6215 ± 0.0034``; a sample that is all alike has no error to tell."""
-    return with_error(*share) if share[1] > 0.0 else f"{share[0]:g}"
+    """``0.6215 ± 0.0034``; of a sample that is all alike, how far that may be off."""
+    found, error, size = share
+    if error > 0.0:
+        return with_error(found, error)
+    missed = 1.0 - SURE ** (1.0 / size)
+    bound = f"at least {1.0 - missed:.3f}" if found else f"at most {missed:.1g}"
+    return f"{found:g} ({'all' if found else 'none'} of {size}: {bound} at {1.0 - SURE:.0%})"

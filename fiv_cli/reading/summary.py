@@ -190,7 +190,18 @@ def _ranges(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     names = [str(name) for name in dataset.data_vars if _is_number(dataset, str(name))]
     alone = dataset["status"].size == 1
     ranges = {name: _range(dataset[name], alone) for name in names if name not in told}
-    return {name: span for name, span in ranges.items() if span}
+    return {
+        name: span | _of_points(dataset, name, span["values"])
+        for name, span in ranges.items()
+        if span
+    }
+
+
+def _of_points(dataset: xr.Dataset, name: str, known: int) -> dict[str, int]:
+    """Of how many points a number that leads has a value at some, if it lacks any."""
+    status = dataset["status"]
+    leads = named(name).headline > 0 and dataset[name].dims == status.dims
+    return {"of": status.size} if leads and known < status.size else {}
 
 
 def _range(variable: xr.DataArray, only_point: bool) -> dict[str, Any]:
@@ -341,6 +352,7 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]], at_edges: Container[st
     told = {
         name: _range_line(span, errors.get(name))
         + " (the bracket's edge: it may go on beyond)" * (name in at_edges)
+        + (f" (at {span['values']} of {span['of']} points)" if "of" in span else "")
         for name, span in ranges.items()
     }
     terms = [name for name in told if name.endswith(("_work", "_power"))]

@@ -68,7 +68,8 @@ def variables(subject: Subject) -> list[Variable]:
             "vibration intensity: mean squared distance from the sliding equilibrium",
             symbol="L_s",
             comment="thesis 6.20, on discs 6.42 (of the slider alone); over one period, or over "
-            f"L_s_window; 0 at the equilibrium{_mixed_squares(subject)}",
+            "L_s_window; 0 at the equilibrium, missing where nothing slides at rest (stuck on a "
+            f"drive that stands still){_mixed_squares(subject)}",
             headline=1,
             statistic=True,
             unbounded=True,
