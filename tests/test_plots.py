@@ -29,6 +29,7 @@ from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of,
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.bifurcation import FINER
 from fiv_cli.plots.branch import stretches
+from fiv_cli.plots.curve import _narrowed
 from fiv_cli.plots.drawn import as_csv, in_one_line
 from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
@@ -1542,6 +1543,17 @@ def test_a_dataset_without_the_axis_of_a_curve_lies_across_it():
     assert set(level.get_ydata()) == {alone["L_s"].item()}
 
 
+def test_a_share_as_good_as_known_is_a_point_of_its_line():
+    """One failed start of thousands: an error bar over what it leaves open."""
+    y, error, ends = _narrowed(
+        np.array([0.9, np.nan, np.nan]), np.zeros(3),
+        [np.array([0.9, 0.8, 0.1]), np.array([0.9, 0.802, 0.5])],
+    )  # fmt: skip
+    np.testing.assert_allclose(y, [0.9, 0.801, np.nan])
+    np.testing.assert_allclose(error, [0.0, 0.001, 0.0])
+    np.testing.assert_allclose(ends, [[0.9, 0.801, 0.1], [0.9, 0.801, 0.5]])
+
+
 def test_a_line_of_a_curve_without_any_value_is_said_to_have_none():
     found = data.bifurcation()
     found["L_s"] = found["L_s"].where(found["initial"] == "far")
@@ -1859,9 +1871,23 @@ def test_a_phase_portrait_of_other_states():
 def test_motions_may_share_one_phase_portrait():
     drawn = draw(data.history(), figure("phase", overlay=True))
     (ax,) = drawn.axes
-    circles = [line.get_xydata() for line in ax.lines]
-    assert len(circles) == 2
+    marks = {line.get_label(): (line.get_marker(), line.get_xydata().tolist()) for line in ax.lines}
+    assert [marker for marker, _ in marks.values()] == ["o", "s"]
+    assert legend_texts(drawn)[-2:] == ["start: far", "start: near"]
     assert ax.get_title() == ""
+
+
+def test_a_motion_at_rest_is_a_mark_in_its_phase_portrait():
+    """Not a line through the last digits of what it would be."""
+    found = without_events(data.history(labels=("far",)))
+    digits = 1e-17 * np.arange(found.sizes["time"])
+    still = {name: 0.0 * found[name] + 1.0 for name in ("phi", "theta")}
+    moving = {name: 0.0 * found["phi"] + digits for name in ("phi_dot", "theta_dot")}
+    drawn = draw(found.assign(still | moving), figure("phase"))
+    (ax,) = drawn.axes
+    (mark,) = ax.lines
+    assert mark.get_xydata().tolist() == [[1.0, 0.0]] and not ax.collections
+    assert legend_texts(drawn)[-1] == "at rest"
 
 
 @pytest.mark.parametrize("kind", ["phase", "history"])

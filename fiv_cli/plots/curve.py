@@ -41,6 +41,7 @@ HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls
 CAP = 2.0  # half the width of the ends of error bars, pt
 UNSEEN = 1e-4  # of the greatest value: an error bar that is shorter has no ends
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
+NARROW = 2.5e-3  # of the greatest value: half of what may be, that is told by an error bar
 UNSURE = {
     "value of an undecided motion": HOLLOW,
     "undecided points: from least to greatest": BAR,
@@ -270,11 +271,27 @@ def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settin
             one.isel(line.index).values
             for one in (array, unsure & array.notnull(), classes, errors, *ends_of(dataset, name))
         )
+        y, error, ends = _narrowed(y, error, ends)
         jumps = (np.flatnonzero((told[1:] != told[:-1]) | _turns_back(x)) + 1).tolist()
         label = points.joined(words, layer.label, line.label)
         label += ": no value" * bool(label and not np.isfinite([y, *ends]).any())
         curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps))
     return curves
+
+
+def _narrowed(
+    y: np.ndarray, error: np.ndarray, ends: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
+    """Values and errors where the ends of what may be lie too close to be told apart in a figure.
+
+    One undecided start of thousands leaves a share as good as known.
+    """
+    low, high = ends
+    half, greatest = 0.5 * (high - low), np.abs(high[np.isfinite(high)]).max(initial=0.0)
+    narrow = (half > 0.0) & (half <= NARROW * greatest)
+    middle = np.where(narrow, high - np.where(narrow, half, 0.0), y)
+    bar = np.where(narrow, half + np.where(np.isfinite(error), error, 0.0), error)
+    return middle, bar, [np.where(narrow, middle, end) for end in ends]
 
 
 def _across(layer: points.Layer, name: str, x: np.ndarray) -> list[_Curve]:

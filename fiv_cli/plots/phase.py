@@ -11,6 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from fiv_cli.plots import motion, points, style
+from fiv_cli.reading import sampling
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,18 +30,24 @@ HEAD: dict[str, Any] = {
 }  # fmt: skip
 # A head's length, and how far along a curve a place for it is looked for, as shares of its extent.
 ROOM, TURN, PLACES = 0.06, 4.0, 300
+MARKERS = "osD^vphX"
+MARK: dict[str, Any] = {"ms": 5, "mfc": "none", "color": style.BLACK, "ls": "none"}
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """A panel for each motion, or one for all (``overlay``); a circle marks each start."""
+    """A panel for each motion, or one for all (``overlay``); a mark stands at each start.
+
+    It names a motion among a few in one panel, of settled ones at some point of each.
+    """
     dataset = layers[0].dataset
     motions = motion.motions(dataset, settings)
     names = _states(dataset, settings)
     shared = bool(settings.get("overlay"))
+    marks = _marks(motions, shared, _shows_starts(dataset, settings))
     figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(dataset))
-    for number, one in enumerate(motions):
-        _panel(axes[0 if shared else number], one, names, settings)
+    for number, (one, mark) in enumerate(zip(motions, marks, strict=True)):
+        _panel(axes[0 if shared else number], one, names, mark, settings)
     for ax, one in zip(axes, motions, strict=False):
         ax.set_title("" if shared else one.label)
         ax.set_xlabel(motion.label_of(dataset[names[0]], settings))
@@ -60,8 +67,30 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state], **look)
         for state in present
     ]
-    _legend(figure, [*keys, *others], contact, _shows_starts(dataset, settings))
+    named = {mark.label: Line2D([], [], **vars(mark), **MARK) for mark in marks if mark.label}
+    style.legend_below(figure, [*keys, *others, *named.values()], contact)
     return figure
+
+
+@dataclass(frozen=True)
+class _Mark:
+    """What stands at the first sample of a motion, or where it rests; "" is unmarked."""
+
+    label: str
+    marker: str
+
+
+def _marks(motions: Sequence[motion.Motion], shared: bool, with_starts: bool) -> list[_Mark]:
+    """Marks of starts; of a few motions in one panel each has its own, which names it."""
+    if not shared or not 1 < len(motions) <= len(MARKERS):
+        resting = [sampling.is_at_rest(one.data) for one in motions]
+        starts = ["start" if with_starts else "" for _ in motions]
+        words = [
+            "at rest" if rests else start for rests, start in zip(resting, starts, strict=True)
+        ]
+        return [_Mark(word, MARKERS[word == "at rest"]) for word in words]
+    said = "start: " if with_starts else ""
+    return [_Mark(f"{said}{one.label}", mark) for one, mark in zip(motions, MARKERS, strict=False)]
 
 
 def _shows_starts(dataset: xr.Dataset, settings: points.Settings) -> bool:
@@ -114,7 +143,16 @@ def _path(one: motion.Motion, names: tuple[str, str], settings: points.Settings)
     return _Path(one.drawn_time, np.column_stack(drawn), False, is_long)
 
 
-def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: points.Settings) -> None:
+def _panel(
+    ax: Axes,
+    one: motion.Motion,
+    names: tuple[str, str],
+    mark: _Mark,
+    settings: points.Settings,
+) -> None:
+    if sampling.is_at_rest(one.data):
+        _rest(ax, one, names, mark)
+        return
     path = _path(one, names, settings)
     stretches: dict[str, list[np.ndarray]] = {}
     for state, begin, end in motion.contact_spans(one, settings):
@@ -126,15 +164,21 @@ def _panel(ax: Axes, one: motion.Motion, names: tuple[str, str], settings: point
     for contact, begin, end in motion.other_sticks(one, settings):
         stick = points.unlisted(one.label, f"contact {contact} sticks")
         path.draw(ax, [path.between(begin, end)], stick, **OTHER_STICKS)
-    if _shows_starts(one.data, settings):
-        start = points.unlisted(one.label, "start")
-        ax.plot(*path.points[0], "o", ms=5, mfc="none", color=style.BLACK, label=start)
+    if mark.label:
+        label = points.unlisted(one.label, mark.label)
+        ax.plot(*path.points[0], marker=mark.marker, label=label, **MARK)
     held = _held(one, names)
     if np.isfinite(held):
         stick = points.unlisted(one.label, "held in stick")
         ax.plot([0.0, 0.0], [-held, held], label=stick, **HELD)
     ax.autoscale_view()
     points.scale(ax, settings)
+
+
+def _rest(ax: Axes, one: motion.Motion, names: tuple[str, str], mark: _Mark) -> None:
+    """One mark, at no velocity: what is left of it is rounding."""
+    place = [0.0 if name.endswith("_dot") else one.data[name].values[0] for name in names]
+    ax.plot(*place, marker=mark.marker, label=points.unlisted(one.label, mark.label), **MARK)
 
 
 def _point_onwards(ax: Axes, path: np.ndarray) -> None:
@@ -175,8 +219,3 @@ def _spline(time: np.ndarray, path: np.ndarray) -> np.ndarray:
     fine = np.append((time[:-1, None] + between * np.diff(time)[:, None]).ravel(), time[-1])
     smooth: np.ndarray = PchipInterpolator(time, path)(fine)
     return smooth
-
-
-def _legend(figure: Figure, keys: Sequence[Line2D], contact: str, with_start: bool) -> None:
-    start = Line2D([], [], color=style.BLACK, marker="o", mfc="none", ls="none", label="start")
-    style.legend_below(figure, [*keys, *[start] * with_start], contact)

@@ -14,6 +14,7 @@ TOO_MANY = 0.5  # share of such intervals in one of the parts; that of four samp
 PARTS, FEWEST = 10, 20  # parts into which a motion is divided, of as many intervals at least
 APART, TORN, FEWEST_EVENTS = 0.05, 0.1, 5  # of the extent; share of events in one of the parts
 SAMPLES_A_PERIOD = 40.0
+STILL = 1e-9  # of the greatest displacement: one that changes by no more rests
 
 
 def displacements(dataset: xr.Dataset) -> list[str]:
@@ -39,8 +40,17 @@ def is_coarse(motion: xr.Dataset, name: str = "", instants: np.ndarray | None = 
     if time.size <= 2:
         return False
     inside = np.unique(instants[(time[0] < instants) & (instants < time[-1])])
-    states = (_states(motion, one) for one in own or known)
+    states = (_states(motion, one) for one in own or known if not _rests(motion[one].values))
     return any(_is_missed(time, *one, inside) or _is_torn(time, *one, inside) for one in states)
+
+
+def is_at_rest(motion: xr.Dataset) -> bool:
+    """Whether no displacement moves by more than rounding."""
+    return all(_rests(motion[name].values) for name in displacements(motion))
+
+
+def _rests(x: np.ndarray) -> bool:
+    return bool(np.nanmax(x) - np.nanmin(x) <= STILL * np.nanmax(np.abs(x)))
 
 
 def _states(motion: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
