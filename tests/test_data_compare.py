@@ -230,6 +230,19 @@ def test_chaotic_points_are_compared_by_statistics_only() -> None:
     assert differences(changed("section_value", (4,), 99.0)) == []
 
 
+def test_a_small_L_s_is_no_share_of_one() -> None:
+    """Shares of time may differ by 0.02 as well as by a tenth; a vibration of 1e-4 m2 may not."""
+    weak, strong = (
+        dataset().assign(L_s=dataset()["L_s"] * size, slip_fraction=dataset()["L_s"] * size)
+        for size in (1e-4, 1.2e-4)
+    )
+    for one in (weak, strong):
+        one["attractor"].values[:] = CHAOTIC
+        one["slip_fraction"].attrs["units"] = "1"
+    found = differences(strong, left=weak)
+    assert [(one.what, one.count) for one in found] == [("L_s", 4)]
+
+
 def test_work_is_compared_only_when_asked() -> None:
     right = changed("n_steps", (0, 0), 8.0)
     assert differences(right) == []

@@ -1882,7 +1882,7 @@ def test_a_motion_at_rest_is_a_mark_in_its_phase_portrait():
     found = without_events(data.history(labels=("far",)))
     digits = 1e-17 * np.arange(found.sizes["time"])
     still = {name: 0.0 * found[name] + 1.0 for name in ("phi", "theta")}
-    moving = {name: 0.0 * found["phi"] + digits for name in ("phi_dot", "theta_dot")}
+    moving = dict.fromkeys(("phi_dot", "theta_dot"), 0.0 * found["phi"] + digits)
     drawn = draw(found.assign(still | moving), figure("phase"))
     (ax,) = drawn.axes
     (mark,) = ax.lines

@@ -11,7 +11,7 @@ from fiv_cli.cli.common import json_option, print_json, print_table
 from fiv_cli.errors import printable
 
 if TYPE_CHECKING:
-    from fiv_cli.reading.compare import Change, Difference
+    from fiv_cli.reading.compare import Change, Difference, Tolerances
 
 DIFFERENT = 5
 
@@ -36,7 +36,8 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
 
     Then how many points have come from which class into which; then, of numbers, the worst where
     both are of the same class, equilibrium or periodic (relative 1e-6 unless --tolerances says
-    otherwise); quasi-periodic and chaotic motions are compared by L_s and shares of time only.
+    otherwise); quasi-periodic and chaotic motions are compared by L_s, mean powers and shares of
+    time only, to 10 % ([sampled]).
 
     \b
     Examples:
@@ -46,7 +47,7 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
       fiv diff runs/a.nc lighter.nc --tolerances sweeps/pin-reached/tolerances.toml
     """
     from fiv_cli.reading.causes import causes
-    from fiv_cli.reading.compare import Tolerances, compare, read_tolerances
+    from fiv_cli.reading.compare import Tolerances, compare, has_sampled, read_tolerances
     from fiv_cli.reading.datasets import read_analyses
 
     chosen = Tolerances() if tolerances is None else read_tolerances(tolerances)
@@ -56,16 +57,27 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
     axes = {str(name) for head in heads for name, coord in head.coords.items() if coord.ndim}
     behind = causes(heads[0].attrs, heads[1].attrs, axes)
     if as_json:
-        print_json({"equal": not found, "causes": behind, "differences": found})
+        tolerances_used = {name: vars(getattr(chosen, name)) for name in ("default", "sampled")}
+        told = {"equal": not found, "within": tolerances_used}
+        print_json(told | {"causes": behind, "differences": found})
     else:
         for cause in behind:
             click.echo(printable(f"computed with another {cause}"))
         for one in found:
             _print(one)
         if not found:
-            within = f"numbers within a relative {chosen.default.rtol:g}"
+            wide = _sampled(chosen) if has_sampled(left) else ""
+            within = f"numbers within a relative {chosen.default.rtol:g}{wide}"
             click.echo(f"{first} and {second} agree ({within}; what tells trust is left out)")
     return DIFFERENT if found else 0
+
+
+def _sampled(chosen: Tolerances) -> str:
+    """How closely motions that do not repeat are compared."""
+    return (
+        "; of quasi-periodic and chaotic motions L_s, mean powers and shares of time alone, within "
+        f"{chosen.sampled.rtol:.0%}, shares within {chosen.sampled.atol:g} more"
+    )
 
 
 def _print(difference: Difference) -> None:

@@ -11,7 +11,7 @@ out unless a tolerance is given.
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -28,7 +28,7 @@ from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import error_of, flag_names, name_of_only
+from fiv_cli.reading.datasets import error_of, flag_names, is_class, name_of_only
 from fiv_cli.reading.over_laws import stretches
 from fiv_cli.reading.select import ragged_dims, row_sizes
 from fiv_cli.reading.shares import drawn_of
@@ -55,7 +55,8 @@ class Tolerances:
     Attributes
     ----------
     default : of every variable without its own
-    sampled : of L_s and shares of time of quasi-periodic and chaotic motions
+    sampled : of L_s, mean powers and shares of time of quasi-periodic and chaotic motions; `atol`
+        of these shares alone, which are of order one
     variables : name -> its own
     ignore : names that are not compared
     """
@@ -68,6 +69,11 @@ class Tolerances:
     def of(self, name: str) -> Tolerance:
         """The tolerance of a variable."""
         return self.variables.get(name, self.default)
+
+    def of_sampled(self, name: str) -> Tolerance:
+        """The same where it was measured over a window of a motion that does not repeat."""
+        is_share = named(name).role is Role.SHARE
+        return self.sampled if is_share else replace(self.sampled, atol=self.of(name).atol)
 
 
 ALONG = "; what lies along it is not compared"
@@ -345,7 +351,7 @@ class _Pair:
         x, y = a.values, b.values
         exact, sampled = self._compared(name)
         bad = a.copy(data=_differs(x, y, self.tolerances.of(name))) & exact
-        bad = bad | (a.copy(data=_differs(x, y, self.tolerances.sampled)) & sampled)
+        bad = bad | (a.copy(data=_differs(x, y, self.tolerances.of_sampled(name))) & sampled)
         mask = bad.transpose(*a.dims).values.ravel()
         if flag_names(a.attrs) and mask.any():
             yield self._of_classes(name, x.ravel(), y.ravel(), mask)
@@ -423,6 +429,12 @@ class _Pair:
         codes = [ATTRACTOR.codes[name] for name in classes]
         alike = (left == right) | ("attractor" in self.tolerances.ignore)
         return left.isin(codes) & right.isin(codes) & alike
+
+
+def has_sampled(left: Mapping[str, xr.Dataset]) -> bool:
+    """Whether some numbers are those of a window of a motion that does not repeat."""
+    classes = (one["attractor"] for one in left.values() if "attractor" in one)
+    return any(bool(is_class(one, SAMPLED_CLASSES).any()) for one in classes)
 
 
 def _difference_of_form(a: xr.DataArray, b: xr.DataArray) -> str:

@@ -5,6 +5,7 @@ What is computed, and how a run ends, is told in ``steady_state.py``.
 
 from __future__ import annotations
 
+from fiv_cli.analyses.attractor.grounds import CHAOTIC, REGULAR
 from fiv_cli.analyses.base import EACH, Analysis, Later, Section
 from fiv_cli.analyses.settings import Choice, Number, SectionSetting, StateName
 from fiv_cli.analyses.variables import (
@@ -101,6 +102,14 @@ def variables(subject: Subject) -> list[Variable]:
             "standard error of the exponent of what has no period",
             role=Role.DETAIL,
             comment="by its scatter over 16 stretches of the window",
+        ),
+        Variable(
+            "zero_one",
+            "1",
+            "K of the 0-1 test of what has no period: near 0 regular, near 1 chaotic",
+            role=Role.DETAIL,
+            comment="Gottwald and Melbourne 2009; median of as many test frequencies as settle on "
+            f"which side of {REGULAR} and {CHAOTIC} it lies",
         ),
         *MULTIPLIERS,
         *impacts(subject, "over a period, or over L_s_window"),

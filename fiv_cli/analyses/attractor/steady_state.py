@@ -759,6 +759,7 @@ class _Response:
             regular = regularity(self._points[:, self.observed], bounds)
         if np.isnan(regular):
             return "undecided", "time_budget"
+        outcome.values["zero_one"] = regular
         told, reason = self._by_two_tests(exponent, regular)
         points = self._map_points()
         # A weak mode that still dies away, or is shaken slowly, undoes no chaos, but any torus.
