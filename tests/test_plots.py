@@ -1863,6 +1863,35 @@ def test_a_phase_portrait_points_in_the_direction_of_its_motion():
     assert np.abs(arrow.xyann / np.abs(corners).max(axis=(0, 1))).max() > 0.1
 
 
+@pytest.mark.parametrize(
+    ("periods", "log", "lines"), [(3.0, "", 2), (3.0, "y", 3), (2.9, "", None)]
+)
+def test_of_whole_periods_a_spectrum_has_upright_lines_at_their_harmonics(periods, log, lines):
+    """At 2, 6 and 10 Hz, the last too small to be seen but on a logarithmic axis."""
+    time = np.linspace(0.0, periods / 2.0, 601)
+    angle = 4.0 * np.pi * time
+    values = np.sin(angle) + 0.2 * np.cos(3.0 * angle) + 1e-4 * np.sin(5.0 * angle)
+    found = without_events(data.history(labels=("far",))).isel(time=slice(601))
+    found = found.assign_coords(time=("time", time, found["time"].attrs))
+    for name in ("phi", "theta"):
+        rates = np.gradient(values, time)
+        rates[-1] = rates[0]
+        for of, its in (("", values), ("_dot", rates)):
+            found[name + of].values[:] = its if found[name + of].ndim == 1 else its[None]
+    (ax,) = draw(found, figure("spectrum", variable="phi", **({"log": log} if log else {}))).axes
+    (line,) = ax.lines
+    x, height = line.get_data()
+    top, (_, right) = height[np.isfinite(height)].max(), ax.get_xlim()
+    if lines is None:
+        assert x.size == 301 and right < 10.0
+        return
+    seen = height > top * (1e-6 if log else 1e-3)
+    np.testing.assert_allclose(x[seen], [2.0, 6.0, 10.0][:lines])
+    np.testing.assert_allclose(height[seen], [1.0, 0.2, 1e-4][:lines], rtol=1e-9)
+    assert right == pytest.approx(1.05 * x[seen].max())
+    assert not log or ax.get_ylim()[0] == pytest.approx(1e-6 * top)
+
+
 def test_a_phase_portrait_of_other_states():
     (ax,) = draw(data.history(labels=("far",)), figure("phase", x="theta", y="phi")).axes
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\theta$ (rad)", r"$\varphi$ (rad)")

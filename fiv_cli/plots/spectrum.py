@@ -19,6 +19,7 @@ from fiv_cli.plots import labels, levels, motion, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import is_class, numbers
+from fiv_cli.reading.sampling import displacements
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,6 +35,9 @@ WINDOW = "hann"
 # Samples count as uniform when their intervals agree to this share.
 UNIFORM = 1e-6
 FEWEST_SAMPLES = 16
+CLOSED = 1e-6  # share of its extent within which a motion that ends where it began has closed
+MARGIN = 1.05  # of the highest frequency that is shown
+LOG_DECADES = 6.0  # of amplitude on an axis of them
 DECADES = 3.0  # of amplitude in a colour scale; what is less has its lowest colour
 
 
@@ -188,9 +192,13 @@ def _shape(motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
         return frequency, height
     kept = np.flatnonzero(height > 0.0)
     harmonics = np.round(frequency[kept] / basic) * basic
-    feet, gaps = np.zeros(kept.size), np.full(kept.size, np.nan)
-    upright = np.stack([feet, height[kept], gaps], axis=1).ravel()
-    return np.repeat(harmonics, 3), upright
+    return upright(harmonics, height[kept])
+
+
+def upright(frequency: np.ndarray, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A line from zero to each height, as one line with gaps."""
+    feet, gaps = np.zeros(height.size), np.full(height.size, np.nan)
+    return np.repeat(frequency, 3), np.stack([feet, height, gaps], axis=1).ravel()
 
 
 def factor_of(settings: points.Settings) -> float:
@@ -206,34 +214,74 @@ def frequency_label(settings: points.Settings) -> str:
 
 # --- a motion in time -----------------------------------------------------------------------------
 def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
-    """A line for each variable of each motion; the mean is taken off before."""
+    """A line for each variable of each motion; the mean is taken off before.
+
+    Of a motion over whole periods, upright lines at their harmonics.
+    """
     figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
     names = motion.variables(dataset, settings)
     shown = [(one, name) for one in motion.motions(dataset, settings) for name in names]
-    for number, (one, name) in enumerate(shown):
-        values = motion.of_contact(one.data[name], settings)
-        frequency, height = amplitude_spectrum(one.time, values)
+    spectra = [_spectrum_of(one, name, settings) for one, name in shown]
+    _frame(ax, spectra, settings)  # before they are drawn: the foot of an upright is no value
+    for number, ((one, name), (x, height)) in enumerate(zip(shown, spectra, strict=True)):
         label = points.joined(one.label, motion.label_of(dataset[name], settings))
         width = 0.8 * (1 + (len(shown) - 1 - number) / len(shown))  # one is seen behind another
         colour = style.line_colours(len(shown))[number]
-        ax.plot(frequency * factor_of(settings), height, color=colour, label=label, lw=width)
+        ax.plot(x, height, color=colour, label=label, lw=width)
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(
         "amplitude" + (f" of {motion.label_of(dataset[names[0]], settings)}" * (len(names) == 1))
     )
-    ax.margins(x=0)
-    points.scale(ax, settings)
     points.legend([ax])
     return figure
 
 
-def amplitude_spectrum(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _spectrum_of(
+    one: motion.Motion, name: str, settings: points.Settings
+) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies, in the unit of the figure, and amplitudes."""
+    values, whole = motion.of_contact(one.data[name], settings), _is_closed(one)
+    frequency, height = amplitude_spectrum(one.time, values, whole)
+    frequency = frequency * factor_of(settings)
+    return upright(frequency[1:], height[1:]) if whole else (frequency, height)
+
+
+def _is_closed(one: motion.Motion) -> bool:
+    """Whether a motion ends, on the raster, in the state that it began in: after whole periods."""
+    steps = np.diff(one.time)
+    if steps.size < FEWEST_SAMPLES or np.ptp(steps) > UNIFORM * steps.mean():
+        return False
+    states = [one.data[f"{n}{of}"].values for n in displacements(one.data) for of in ("", "_dot")]
+    return all(abs(x[-1] - x[0]) <= CLOSED * np.ptp(x) for x in states)
+
+
+def _frame(
+    ax: Axes, spectra: Sequence[tuple[np.ndarray, np.ndarray]], settings: points.Settings
+) -> None:
+    """As the figure asks; else as far as there are amplitudes, a logarithmic axis down to these."""
+    log = settings.get("log", "")
+    decades = LOG_DECADES if log is True or "y" in str(log) else DECADES
+    known = [(x[height > 0.0], height[height > 0.0]) for x, height in spectra]
+    top = max((height.max(initial=0.0) for _, height in known), default=0.0)
+    foot = top * 10.0**-decades
+    highest = max((x[height > foot].max(initial=0.0) for x, height in known), default=0.0)
+    if not (log is True or "x" in str(log)) and highest > 0.0:
+        ax.set_xlim(0.0, MARGIN * highest)
+    points.scale(ax, settings)
+    if decades == LOG_DECADES and "ylim" not in settings and top > 0.0:
+        ax.set_ylim(foot, 10.0 * top)
+
+
+def amplitude_spectrum(
+    time: np.ndarray, values: np.ndarray, whole: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies and amplitudes of a sampled motion.
 
     Parameters
     ----------
     time : s, shape (n,), uniform but for the last interval, which may be shorter
     values : shape (n,)
+    whole : the record is one of whole periods: it ends where it began, and needs no window
 
     Returns
     -------
@@ -247,7 +295,9 @@ def amplitude_spectrum(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray
     from scipy import fft, signal
 
     time, values = uniform(time, values)
-    window = signal.get_window(WINDOW, values.size)
+    if whole:
+        time, values = time[:-1], values[:-1]
+    window = signal.get_window("boxcar" if whole else WINDOW, values.size)
     spectrum = fft.rfft((values - values.mean()) * window)
     interval = (time[-1] - time[0]) / (time.size - 1)
     return fft.rfftfreq(values.size, interval), 2.0 * np.abs(spectrum) / window.sum()

@@ -26,6 +26,7 @@ BEYOND = (
 )
 
 WIDEN, PERHAPS = ": widen it", ", and perhaps beyond; what was found inside it stands"
+UNMET = ": what is asked for was not met inside it: widen it at either end"
 
 # Setting `follow` -> the classes along each way, which of them is the last, at which end.
 _ENDS = {
@@ -89,7 +90,8 @@ def still(
         for name in _GOING_ON:
             asked = question.below is None and (name == question.name) != question.negated
             here = classes[way][:, place] == ATTRACTOR.codes[name]
-            for found, what in ((crossings == 0, WIDEN), ((crossings > 0) & asked, PERHAPS)):
+            none = WIDEN if asked or question.below is not None else UNMET
+            for found, what in ((crossings == 0, none), ((crossings > 0) & asked, PERHAPS)):
                 count = int((here & found).sum())
                 of = f" at {count} of {len(crossings)} points" if len(crossings) > 1 else ""
                 said += [f"still {name} at the {end} end of the bracket{of}{what}"] * (count > 0)
