@@ -420,6 +420,9 @@ def figure(
 ) -> Figure:
     """Draw a dataset; a notebook that has imported matplotlib.pyplot shows what is returned.
 
+    What is added to it afterwards has matplotlib's own fonts: a legend that of
+    ``prop=drawn.axes[0].xaxis.label.get_fontproperties()``.
+
     Parameters
     ----------
     data : what `run`, `history` or `read` returned, or the path of a dataset

@@ -94,7 +94,8 @@ class Lines(_Followed):
     def begin(self, total: int, done: int) -> None:
         """Say what there is to do, the first time."""
         if not self.course.total:
-            self.note(f"{self.title}{total} points, {done} already stored, {total - done} to run")
+            points = f"{total} {'point' if total == 1 else 'points'}"
+            self.note(f"{self.title}{points}, {done} already stored, {total - done} to run")
             threading.Thread(target=self._tell_again, daemon=True).start()
         super().begin(total, done)
 
