@@ -431,6 +431,24 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     assert to_hex(drawn[-1].get_color()) == BLACK.lower()  # upon the same of the other diagram
 
 
+def test_a_rest_through_which_no_line_of_equilibria_is_drawn_keeps_its_mark():
+    """None is where eigenvalues failed, or are of another grid; or what sticks is off the line."""
+    response, eigenvalues = with_eigenvalues().values()
+    omega = eigenvalues["Omega"].values
+    late, off = omega > 4.0, omega == omega[32]
+    words = np.where(omega < 3.0, "unstable", np.where(late, "not_computed", "stable"))
+    failed = eigenvalues.assign(stable=data.flags(("Omega",), words, ("unstable", "stable")))
+    response["phi_max"] = response["phi_max"].where(~off[:, None], 0.05)
+    response["stick_fraction"] = response["L_s"] * 0.0 + 1.0
+    for judged in (failed, eigenvalues.isel(Omega=~late)):
+        both = {"response": response, "eigenvalues": judged}
+        (ax,) = draw(both, figure("bifurcation")).axes
+        np.testing.assert_array_equal(marks(ax, "_near, at rest")[:, 0], omega[late | off])
+        told = (omega >= 3.5) & ~late & ~off
+        np.testing.assert_array_equal(marks(ax, "_near, equilibrium")[:, 0], omega[told])
+        assert {"at rest", "stable equilibrium"} <= {*legend_texts(ax)}
+
+
 @pytest.mark.parametrize(
     ("found", "met"), [([2.96], [2.96]), ([2.92, 2.94, 2.97], []), ([1.05], []), ([0.1, 9.0], [])]
 )

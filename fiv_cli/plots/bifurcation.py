@@ -43,6 +43,8 @@ SECTION_WORDS = {
     "impact": "an impact",
 }
 CYCLES = {"stable": "-", "unstable": "--"}
+EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1)}
+ALIKE = 1e-3  # of heights that are the same in a figure
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -57,38 +59,37 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     holding = [layer for layer in layers if name in layer.dataset]
     shown = [layer for layer in holding if not branch.suits(layer.dataset)] or holding
     shown = shown if len(shown) > 1 else [replace(one, label="") for one in shown]
-    found = [cloud for layer in shown for cloud in _clouds(layer, name, settings)]
-    clouds = [cloud for cloud in found if cloud.y.size or cloud.rest_y.size]
     if not shown:
         raise UsageError(
             f"{name}: no values at a section in this dataset (or part of one)\n"
             "a bifurcation diagram needs a response analysis; draw another variable as a curve"
         )
     first = shown[0].dataset
+    others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
+    axis, observed = points.abscissa(first, settings), _observed(first[name])
+    equilibria = [_equilibria(layer, others, axis, observed) for layer in shown]
+    changes = [_changes(layer, others, axis) for layer in shown]
+    found = [
+        cloud
+        for layer, lines in zip(shown, equilibria, strict=True)
+        for cloud in _clouds(layer, name, _all_of(lines), settings)
+    ]
+    clouds = [cloud for cloud in found if cloud.y.size or cloud.rest_y.size]
     points.refuse_empty(first, bool(clouds), name)
     figure, (ax,) = style.new_panels(1, 1, points.title(first))
-    others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     _refuse_of_none(layers, shown)
-    axis, observed = points.abscissa(first, settings), _observed(first[name])
     for layer in layers:
         if not any(layer.dataset is one.dataset for one in shown):
             _refuse_apart(layer, shown, axis, observed)
-    judged = [
-        (layer, told, _changes(layer, others, axis))
-        for layer in shown
-        for told in _judged(layer, others, axis, observed)
-    ]
-    untold = len(judged) < len(shown)
-    resting = _resting_words([layer.dataset for layer in shown]) if untold else ""
-    _mark(ax, clouds, style.dot_size(axis.size, figure.get_figwidth()), resting)
+    _mark(ax, clouds, style.dot_size(axis.size, figure.get_figwidth()))
     where = "" if _turns(first, observed) else ELSEWHERE
     for layer in shown:  # a dataset that belongs to several is drawn with the first of them
         parts = [_of_the_same(one, layer.dataset) for one in others]
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
         _draw_cycles(ax, own, axis, layer, name, where)
-    for layer, told, changes in judged:
-        _draw_equilibria(ax, layer, told, changes, axis, observed)
+    for layer, lines, found_at in zip(shown, equilibria, changes, strict=True):
+        _draw_equilibria(ax, layer, lines, found_at, axis)
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", _section_words(shown)))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
@@ -101,7 +102,8 @@ class _Cloud:
     """One line of points: what their motions pass at the section, and where they are at rest.
 
     `family` says at which values of other axes, `start` from which start. `crowded` are the values
-    at points that have many, `undecided` those of points of no class.
+    at points that have many, `undecided` those of points of no class. `told` are the rests through
+    which a line of equilibria is drawn, `sticking` those at which a contact sticks.
     """
 
     family: str
@@ -112,6 +114,8 @@ class _Cloud:
     undecided: np.ndarray
     rest_x: np.ndarray
     rest_y: np.ndarray
+    told: np.ndarray
+    sticking: np.ndarray
 
     @property
     def label(self) -> str:
@@ -119,8 +123,13 @@ class _Cloud:
         return points.joined(self.family, self.start)
 
 
-def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterator[_Cloud]:
-    """The lines of points of one dataset, a line for each start and value of the other axes."""
+def _clouds(
+    layer: points.Layer, name: str, equilibria: xr.DataArray, settings: points.Settings
+) -> Iterator[_Cloud]:
+    """The lines of points of one dataset, a line for each start and value of the other axes.
+
+    `equilibria` are the heights of those that are drawn as lines.
+    """
     dataset = layer.dataset
     sizes = select.row_sizes(dataset, name)
     if sizes is None:
@@ -133,16 +142,18 @@ def _clouds(layer: points.Layer, name: str, settings: points.Settings) -> Iterat
     doubt = points.gaps(dataset).get("undecided", sizes < 0).transpose(*dims).values.ravel()
     undecided = doubt[point]
     x, y, rest = points.positions(axis), dataset[name].values, _rest(dataset, name)
+    told, sticking = abs(rest - equilibria) <= ALIKE * abs(equilibria), _sticking(dataset)
     for line in points.lines(dataset, [dim], dims):
         belongs = np.logical_and.reduce(
             [place[d] == index for d, index in line.index.items()], initial=True
         ) & np.ones(y.shape, bool)
-        still = rest.isel(line.index).values
+        still, on_line, sticks = (one.isel(line.index).values for one in (rest, told, sticking))
         known = np.isfinite(still)
         values = [word for dim, word in line.words.items() if dim != "initial"]
         family, start = points.joined(layer.label, *values), line.words.get("initial", "")
         at_section = x[place[dim][belongs]], y[belongs], crowded[belongs], undecided[belongs]
-        yield _Cloud(family, start, *at_section, x[known], still[known])
+        at_rest = x[known], still[known], on_line[known], sticks[known]
+        yield _Cloud(family, start, *at_section, *at_rest)
 
 
 def _observed(variable: xr.DataArray) -> str:
@@ -158,28 +169,24 @@ def _rest(dataset: xr.Dataset, name: str) -> xr.DataArray:
     return dataset[extreme].where(is_class(dataset["attractor"], ("equilibrium",)))
 
 
-def _resting_words(datasets: Sequence[xr.Dataset]) -> str:
-    """What an equilibrium is: one at which no contact sticks is no rest of what slides."""
-    greatest = [
-        dataset["stick_fraction"].where(is_class(dataset["attractor"], ("equilibrium",))).max()
-        for dataset in datasets
-        if {"stick_fraction", "attractor"} <= {*dataset}
-    ]
-    return (
-        "steady sliding" if greatest and not any(share > 0.0 for share in greatest) else "at rest"
-    )
+def _sticking(dataset: xr.Dataset) -> xr.DataArray:
+    """Where some contact sticks, or nothing is known of that."""
+    share = dataset.get("stick_fraction", dataset["status"] * np.nan)
+    return ~(share.max([d for d in share.dims if d not in dataset["status"].dims]) <= 0.0)
 
 
-def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None:
+def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
     """Marks that show through one another: what comes first is the widest.
 
-    Points at rest have a square in their mark, called `resting`; without a name they lie on lines
-    of equilibria that say so, as marks like the others.
+    Points at rest have a square in their mark, but those on lines of equilibria, which say so. An
+    equilibrium at which no contact sticks is no rest of what slides.
     """
     entries = _entries(clouds)
     count, crowd = sum(one.y.size for one in clouds), sum(int(one.crowded.sum()) for one in clouds)
     many, size = count > style.MANY_MARKS, size * style.finer(count - crowd)
     sorts = 1 + max(entry.number for entry in entries)
+    apart = np.concatenate([one.sticking[~one.told] for one in clouds])
+    resting = "at rest" if apart.any() else "steady sliding"
     _name_sorts(ax, clouds, entries, size)
     for cloud, entry in zip(clouds, entries, strict=True):
         crowded, undecided = cloud.crowded & ~cloud.undecided, cloud.undecided
@@ -192,12 +199,14 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float, resting: str) -> None
             look["alpha"] = alpha
             ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, rasterized=many, **look)
         own = style.mark_of(entry.number, sorts, size) | {"color": entry.colour, "ls": "none"}
-        rest = cloud.rest_x, cloud.rest_y
-        at_rest = points.unlisted(entry.label, resting or "equilibrium")
-        if resting:
-            ax.plot(*rest, "s", ms=SQUARE * size, mew=0.0, color=entry.colour, label=at_rest)
-        ax.plot(*rest, label=DECORATION if resting else at_rest, zorder=2 if resting else 4, **own)
-    if resting and any(cloud.rest_x.size for cloud in clouds):
+        rest, on_line = (
+            (cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told)
+        )
+        at_rest = points.unlisted(entry.label, resting)
+        ax.plot(*rest, "s", ms=SQUARE * size, mew=0.0, color=entry.colour, label=at_rest)
+        ax.plot(*rest, label=DECORATION, **own)
+        ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **own)
+    if apart.size:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
 
 
@@ -471,25 +480,40 @@ def _section_words(shown: Sequence[points.Layer]) -> str:
     return f"{SECTION_WORDS[kind]}{f' of contact {contact:g}' if several else ''}"
 
 
-def _judged(
+def _equilibria(
     layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
-) -> list[xr.Dataset]:
-    """What tells, along `axis`, whether the equilibria of a diagram are stable: its own, or one."""
+) -> dict[str, xr.DataArray]:
+    """Word of `EQUILIBRIA` -> heights of the equilibria of a diagram that are called so, else NaN.
+
+    What tells whether they are stable, along `axis`, is of the diagram's case or one of the others.
+    """
     diagram = layer.dataset
+    nowhere = dict.fromkeys(EQUILIBRIA, diagram["status"] * np.nan)
     if "L_s_reference" not in diagram or observed not in diagram["state"]:
-        return []
+        return nowhere
     beside = [_of_the_same(one, diagram) for one in (*layer.beside, *others)]
     told = [d for d in beside if d is not None and {"stable", "growth_rate"} <= {*d}]
-    return [d for d in told if axis.name in d.coords][:1]
+    judged = next((d["stable"] for d in told if axis.name in d.coords), None)
+    if judged is None:
+        return nowhere
+    number = _linearised_at(diagram)
+    known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
+    place = known.sel(state=observed).max([d for d in known.dims if d == "initial"])
+    called = {word: place.where(is_class(judged, (word,))) for word in EQUILIBRIA}
+    return {word: here.reindex_like(place) for word, here in called.items()}  # of another grid
+
+
+def _all_of(equilibria: Mapping[str, xr.DataArray]) -> xr.DataArray:
+    """The heights of equilibria of every word."""
+    return equilibria["stable"].fillna(equilibria["unstable"])
 
 
 def _draw_equilibria(
     ax: Axes,
     layer: points.Layer,
-    judged: xr.Dataset,
+    equilibria: Mapping[str, xr.DataArray],
     changes: np.ndarray,
     axis: xr.DataArray,
-    observed: str,
 ) -> None:
     """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`.
 
@@ -497,15 +521,14 @@ def _draw_equilibria(
     """
     diagram = layer.dataset
     axis = select.axis_of(diagram, str(axis.name))
-    number = _linearised_at(diagram)
-    known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
-    place = known.sel(state=observed).max([d for d in known.dims if d == "initial"])
-    lines = points.lines(diagram, [str(axis.dims[0])], [str(d) for d in place.dims])
+    dim, x = str(axis.dims[0]), points.positions(axis)
+    lines = points.lines(diagram, [dim, "initial"], points.grid_dims(diagram))
     colours = points.colours([ax]) if len(lines) > 1 or layer.label else {}
-    known_words, x = {str(line.get_label()) for line in ax.lines}, points.positions(axis)
-    for word, dashes, weight in (("stable", "-", 0.7), ("unstable", ":", 1.1)):
-        height = place.where(is_class(judged["stable"], (word,)))
-        parts = [[of.isel(line.index).values for of in (place, height)] for line in lines]
+    known_words = {str(line.get_label()) for line in ax.lines}
+    for word, height in equilibria.items():
+        dashes, weight = EQUILIBRIA[word]
+        of_word = _all_of(equilibria), height
+        parts = [[of.isel(line.index).values for of in of_word] for line in lines]
         drawn = [
             (points.joined(layer.label, line.label), *_up_to(changes, x, every, own))
             for line, (every, own) in zip(lines, parts, strict=True)
@@ -552,7 +575,7 @@ def _shared(line: Line2D, other: Line2D) -> np.ndarray:
     """The heights of a line where another is as high, to a thousandth; NaN elsewhere."""
     (x, y), (its_x, its_y) = (np.array(one.get_data(), float) for one in (line, other))
     between = np.interp(x, its_x, its_y, left=np.nan, right=np.nan) if its_x.size else x * np.nan
-    return np.where(np.isclose(y, between, rtol=1e-3, atol=0.0), y, np.nan)
+    return np.where(np.isclose(y, between, rtol=ALIKE, atol=0.0), y, np.nan)
 
 
 def _linearised_at(diagram: xr.Dataset) -> int:
