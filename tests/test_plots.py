@@ -403,7 +403,8 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     for word in ("stable", "unstable"):
         drawn = lines[f"{word} equilibrium"]
         there = drawn[np.isfinite(drawn[:, 1])]
-        np.testing.assert_array_equal(there[:, 0], omega[words == word])
+        np.testing.assert_array_equal(there[there[:, 0] != 2.95, 0], omega[words == word])
+        assert (there[0] if word == "stable" else there[-1])[0] == 2.95  # where both lines meet
         np.testing.assert_allclose(there[:, 1], 0.01 * there[:, 0])
     (equilibrium,) = [line for line in ax.lines if line.get_label() == "stable equilibrium"]
     marked = [line for line in ax.lines if line.get_zorder() > equilibrium.get_zorder()]
@@ -418,14 +419,14 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
         for line in drawn
     }
     # where both are stable black, upon the colours of both
-    assert begin.pop(BLACK.lower()) == omega[omega >= 4.0][0]
-    assert sorted(begin.values()) == [omega[words == "stable"][0], omega[omega >= 4.0][0]]
+    assert begin.pop(BLACK.lower()) == pytest.approx(3.95)
+    assert sorted(begin.values()) == pytest.approx([2.95, 3.95])
     short = {name: one.isel(Omega=slice(35)) for name, one in analyses.items()}
     (ax,) = draw([("all", analyses), ("part", short)], figure("bifurcation")).axes
     drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
     x, y = drawn[-1].get_data()
     assert to_hex(drawn[-1].get_color()) == BLACK.lower() and x.max() == omega[34]
-    assert {*x[np.isfinite(y)]} == {*omega[:35][words[:35] == "stable"]}
+    assert {*x[np.isfinite(y)]} == {2.95, *omega[:35][words[:35] == "stable"]}
     (ax,) = draw([("one", analyses), ("two", analyses)], figure("bifurcation")).axes
     drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
     assert to_hex(drawn[-1].get_color()) == BLACK.lower()  # upon the same of the other diagram
@@ -450,9 +451,9 @@ def test_a_rest_through_which_no_line_of_equilibria_is_drawn_keeps_its_mark():
 
 
 @pytest.mark.parametrize(
-    ("found", "met"), [([2.96], [2.96]), ([2.92, 2.94, 2.97], []), ([1.05], []), ([0.1, 9.0], [])]
+    ("found", "met"), [([2.96], 2.96), ([2.92, 2.94, 2.97], 2.95), ([1.05], 2.95), ([0.1, 9], 2.95)]
 )
-def test_lines_of_equilibria_meet_where_a_critical_value_says(found, met):
+def test_lines_of_equilibria_meet_where_a_critical_value_says_or_midway(found, met):
     """Between the points of the grid; three between two of them, or one elsewhere, say nothing."""
     critical = xr.Dataset(
         {
@@ -466,15 +467,27 @@ def test_lines_of_equilibria_meet_where_a_critical_value_says(found, met):
     lines = {line.get_label(): line.get_xydata() for line in ax.lines}
     stable, unstable = (lines[f"{word}stable equilibrium"] for word in ("", "un"))
     stable, unstable = (line[np.isfinite(line[:, 1])] for line in (stable, unstable))
-    assert [at for at in stable[:, 0] if at in unstable[:, 0]] == met
+    assert [at for at in stable[:, 0] if at in unstable[:, 0]] == [met]
     np.testing.assert_allclose(stable[:, 1], 0.01 * stable[:, 0])
-    if not met:
-        assert (stable[0, 0], unstable[-1, 0]) == pytest.approx((3.0, 2.9))
+    assert stable[0].tolist() == unstable[-1].tolist()
     other = critical["critical_value"].assign_attrs(long_name="critical value of N0")
     with pytest.raises(UsageError, match="critical: nothing that a bifurcation diagram"):
         draw(
             [layers[0], ("critical", critical.assign(critical_value=other))], figure("bifurcation")
         )
+
+
+def test_a_line_of_equilibria_does_not_lead_to_where_there_is_none():
+    """Where it ended, or eigenvalues failed, the line stops at the neighbour."""
+    response, eigenvalues = with_eigenvalues().values()
+    omega = eigenvalues["Omega"].values
+    ended = response.assign(L_s_reference=response["L_s_reference"].where(omega[:, None] < 2.95))
+    words = np.where(np.isclose(omega, 3.0), "not_computed", class_names(eigenvalues["stable"]))
+    failed = eigenvalues.assign(stable=data.flags(("Omega",), words, ("unstable", "stable")))
+    for one, other in ((ended, eigenvalues), (response, failed)):
+        (ax,) = draw({"response": one, "eigenvalues": other}, figure("bifurcation")).axes
+        unstable = marks(ax, "unstable equilibrium")
+        assert unstable[np.isfinite(unstable[:, 1]), 0].max() == omega[24]
 
 
 def later_stable(eigenvalues):

@@ -548,18 +548,21 @@ def _draw_equilibria(
 def _up_to(
     changes: np.ndarray, x: np.ndarray, every: np.ndarray, own: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Places and heights of one's own among `every` equilibrium, up to changes beside them.
+    """Places and heights of one's own among `every` equilibrium, up to where it turns another's.
 
-    Such a change is the only one between two neighbours on the axis.
+    Between two neighbours that is the only one of the `changes` there, else the middle.
     """
-    right = np.searchsorted(x, changes)
-    alone = (np.bincount(right, minlength=x.size + 1)[right] == 1) & (right > 0) & (right < x.size)
-    if (np.diff(x) <= 0.0).any() or not alone.any():
-        return x, own
-    at, right = changes[alone], right[alone]
-    beside = np.isfinite(own[right - 1]) | np.isfinite(own[right])
-    height = np.where(beside, np.interp(at, x, every), np.nan)
+    known, goes_on = np.isfinite(own), np.isfinite(every[1:] + every[:-1])
+    right = 1 + np.flatnonzero((known[1:] != known[:-1]) & goes_on)
+    share = np.array([_share(changes, x[at - 1], x[at]) for at in right])
+    at, height = (of[right - 1] + share * (of[right] - of[right - 1]) for of in (x, every))
     return np.insert(x, right, at), np.insert(own, right, height)
+
+
+def _share(changes: np.ndarray, one: float, other: float) -> float:
+    """How far from one neighbour to the other the only change between them lies; midway without."""
+    between = changes[((changes - one) * (changes - other) <= 0.0) & (one != other)]
+    return float((between[0] - one) / (other - one)) if between.size == 1 else 0.5
 
 
 def _blacken_shared(ax: Axes, line: Line2D) -> None:
