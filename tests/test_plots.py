@@ -14,6 +14,7 @@ from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colors import BoundaryNorm, LogNorm, to_hex
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
@@ -1108,6 +1109,31 @@ def test_scales_and_limits_follow_the_figure():
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "linear")
     assert ax.get_xlim() == pytest.approx((1, 4 * np.pi))
     assert ax.get_ylim() == (0, 1)
+
+
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+def test_the_ordinate_reaches_over_what_lies_between_the_limits(kind):
+    """Up to where a line is cut; gaps, and entries of the legend, are of what is seen."""
+    dataset = data.bifurcation()
+    asked = figure(kind, xlim=[2.03, 3.03], **{"variable": "L_s"} if kind == "curve" else {})
+    (ax,) = draw(dataset, asked).axes
+    low, high = (1e-4 * 2.03, 2e-4 * 3.03) if kind == "curve" else (0.0342, 0.058)
+    margin = 0.05 * (high - low)
+    assert ax.get_ylim()[1] == pytest.approx(high + margin)
+    assert low - 4.0 * margin < ax.get_ylim()[0] <= low - 0.99 * margin  # the gaps stand below
+    told = {"near", "far", "failed: far", "undecided: far", "value of an undecided motion"}
+    assert told & {*legend_texts(ax)} == {"near", "far", "failed: far"}
+    assert marks(ax, "failed: far").shape == (1, 2)
+    given = figure(kind, **asked.settings, ylim=[-1.0, 1.0])
+    assert draw(dataset, given).axes[0].get_ylim() == (-1.0, 1.0)
+    beyond = figure(kind, **asked.settings | {"xlim": [9.0, 10.0]})
+    assert not draw(dataset, beyond).findobj(Legend)
+
+
+def test_error_bars_in_view_have_room():
+    """The line leads from 4 at 20 N to 7 ± 0.2 at 30 N."""
+    asked = figure("curve", variable="boundary", xlim=[29.0, 35.0])
+    assert draw(data.boundaries(), asked).axes[0].get_ylim() == pytest.approx((6.675, 7.225))
 
 
 @pytest.mark.parametrize("log", ["x", "y", True])

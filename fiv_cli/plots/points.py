@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
+from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from fiv_cli.case.overrides import parse_override
@@ -201,6 +202,36 @@ def scale(ax: Axes, settings: Settings) -> None:
     for which, limits in (("x", settings.get("xlim")), ("y", settings.get("ylim"))):
         if limits is not None:
             ax.set(**{f"{which}lim": [in_si(bound) for bound in limits]})
+    if "xlim" in settings and "ylim" not in settings:
+        _scale_to_view(ax)
+
+
+def _scale_to_view(ax: Axes) -> None:
+    """Let the ordinate reach over what marks and lines have between the limits of x."""
+    collections = [one for one in ax.collections if isinstance(one, LineCollection)]
+    if len(collections) < len(ax.collections):  # a plane has its own
+        return
+    own = [line for line in ax.lines if line.get_transform() == ax.transData]
+    drawn = [(line.get_xydata(), line.get_linestyle() != "None") for line in own]
+    drawn += [(piece, True) for lines in collections for piece in lines.get_segments()]
+    limits = sorted(ax.get_xlim())
+    heights = np.concatenate([[], *(_heights(np.asarray(xy), on, limits) for xy, on in drawn)])
+    known = heights[np.isfinite(heights)]
+    if known.size:
+        ax.dataLim.intervaly = known.min(), known.max()
+        ax.autoscale_view(scalex=False)
+        style.level(ax)
+
+
+def _heights(points: np.ndarray, joined: bool, limits: Sequence[float]) -> np.ndarray:
+    """Heights of points between two limits and, where they are joined, of the line at these."""
+    (x, y), (low, high) = points.T, limits
+    heights = [y[(low <= x) & (x <= high)]]
+    for limit in limits if joined else ():
+        left = np.flatnonzero((x[:-1] - limit) * (x[1:] - limit) < 0.0)
+        share = (limit - x[left]) / (x[left + 1] - x[left])
+        heights.append(y[left] + share * (y[left + 1] - y[left]))
+    return np.concatenate(heights)
 
 
 def _leave_out(ax: Axes, logarithmic: Sequence[int]) -> None:
@@ -419,7 +450,9 @@ def mark_gaps(
     """
     own, ax = colours(axes), axes[-1]
     found = _gap_rows(layers, settings, told)
-    rows = {row: here for row, x in found.items() if (here := _of_scale(ax, x)).size}
+    low, high = sorted(ax.get_xlim())
+    shown = {row: x[(low <= x) & (x <= high)] for row, x in found.items()}
+    rows = {row: here for row, here in shown.items() if here.size}
     for level, ((name, whose), x) in enumerate(rows.items()):
         marker, grey = GAP_MARKS[name]
         colour = next((own[n] for n in own if f"{whose}, ".startswith(f"{n}, ")), grey)
@@ -486,6 +519,7 @@ def legend(axes: Sequence[Axes]) -> None:
     """
     figure = axes[0].figure.figure
     style.colour_keys(axes)
+    _unlist_unseen(axes)
     handles, names = _thinned(*style.told_in(axes))
     beside, many = style.letters(figure), len(names) > MOST_ENTRIES_INSIDE
     narrow = beside < LEAST_LETTERS and len(names) > 2
@@ -496,6 +530,21 @@ def legend(axes: Sequence[Axes]) -> None:
         style.even_keys(figure.legend(handles, names, loc="outside right center", ncols=columns))
     elif names:
         style.even_keys(axes[0].legend(handles, names))
+
+
+def _unlist_unseen(axes: Sequence[Axes]) -> None:
+    """Leave out of the legend what is drawn beyond the limits of its panels alone."""
+    drawn = [(_words_of(label), seen) for ax in axes for label, seen in style.seen_in(ax)]
+    told = [zip(*ax.get_legend_handles_labels(), strict=True) for ax in axes]
+    for handle, name in itertools.chain(*told):
+        own = [seen for words, seen in drawn if _words_of(name) <= words]
+        if own and not any(own):
+            handle.set_label(unlisted(name))
+
+
+def _words_of(label: str) -> set[str]:
+    """The words of an entry of a legend, which are among those of what it stands for."""
+    return {*label.removeprefix("_").split(", ")}
 
 
 def _thinned(handles: Sequence[Artist], names: Sequence[str]) -> tuple[list[Artist], list[str]]:

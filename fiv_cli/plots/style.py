@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.collections import Collection, LineCollection, PathCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
@@ -327,6 +327,16 @@ def _is_key(line: Line2D) -> bool:
     return not np.size(line.get_xdata())
 
 
+def seen_in(ax: Axes) -> Iterator[tuple[str, bool]]:
+    """Label of each line that has points, and whether any of it lies within its panel."""
+    ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
+    within = ax.bbox.padded(1.0)
+    for artist, path in _paths(ax):
+        if np.isfinite(path.vertices).all(axis=1).any():
+            crosses = _joins(artist) and path.intersects_bbox(within, filled=False)
+            yield str(artist.get_label()), crosses or within.count_contains(path.vertices) > 0
+
+
 def told_in(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
     """What the legend of some panels tells, and its words: once what several of them show."""
     told: dict[str, Artist] = {}
@@ -369,13 +379,21 @@ def _find_place(ax: Axes, legend: Legend) -> bool:
 
 def _outlines(ax: Axes) -> list[Outline]:
     """The lines of a panel, in pixels."""
-    drawn = [line for line in ax.lines if line.get_linestyle() != "None"]
-    own = [line.get_transform().transform_path(line.get_path()) for line in drawn]
-    return own + [
-        lines.get_transform().transform_path(path)
-        for lines in ax.collections
-        for path in lines.get_paths()
-    ]
+    return [path for artist, path in _paths(ax) if _joins(artist)]
+
+
+def _paths(ax: Axes) -> Iterator[tuple[Line2D | Collection, Outline]]:
+    """Lines, marks and bundles of lines of a panel, with their points in pixels."""
+    for line in ax.lines:
+        yield line, line.get_transform().transform_path(line.get_path())
+    for lines in ax.collections:
+        for path in lines.get_paths():
+            yield lines, lines.get_transform().transform_path(path)
+
+
+def _joins(artist: Line2D | Collection) -> bool:
+    """Whether there is a line through the points of an artist."""
+    return not isinstance(artist, Line2D) or artist.get_linestyle() != "None"
 
 
 def _marks(ax: Axes) -> np.ndarray:
