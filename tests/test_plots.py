@@ -279,6 +279,19 @@ def test_a_point_at_rest_is_a_square_in_the_mark_of_its_start():
         assert own <= {line.get_marker() for line in rest} | {"."}
 
 
+def test_colours_tell_families_and_marks_the_rest():
+    """A key of a mark has no colour of a family, though only one of them has such marks."""
+    one = resting()
+    moving = one.assign(attractor=one["attractor"].where(one["attractor"] != 0, 1))
+    moving["attractor"].attrs = one["attractor"].attrs
+    (ax,) = draw([("soft", one), ("stiff", moving)], figure("bifurcation")).axes
+    keys = {str(line.get_label()): line for line in ax.lines if not len(line.get_xdata())}
+    assert {keys[word].get_marker() for word in ("soft", "stiff")} == {"None"}
+    assert {to_hex(keys[word].get_color()) for word in ("near", "far", "at rest")} == {BLACK}
+    drawn = [line for line in ax.lines if str(line.get_label()).endswith(", at rest")]
+    assert {to_hex(line.get_color()) for line in drawn} == {BLACK}
+
+
 def test_each_start_has_a_mark_that_shows_through_the_next():
     (ax,) = draw(data.bifurcation(), figure("bifurcation")).axes
     first, second = (

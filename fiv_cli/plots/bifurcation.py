@@ -33,7 +33,7 @@ DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.3
 PALE = 0.4  # what has no class may be on its way yet
-SQUARE = 1.3  # side of what marks a point at rest, of dots
+BAR = 5.0  # thickness of a key that is a colour alone, pt
 ELSEWHERE = ", not at the section"
 MARK = 4.0  # size of the marks of changes of cycles, pt
 SECTION_WORDS = {
@@ -178,8 +178,9 @@ def _sticking(dataset: xr.Dataset) -> xr.DataArray:
 def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
     """Marks that show through one another: what comes first is the widest.
 
-    Points at rest have a square in their mark, but those on lines of equilibria, which say so. An
-    equilibrium at which no contact sticks is no rest of what slides.
+    Points at rest have a black square in their mark, since its colour tells something else; not
+    those on lines of equilibria, which say so. An equilibrium at which no contact sticks is no rest
+    of what slides.
     """
     entries = _entries(clouds)
     count, crowd = sum(one.y.size for one in clouds), sum(int(one.crowded.sum()) for one in clouds)
@@ -203,7 +204,7 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
             (cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told)
         )
         at_rest = points.unlisted(entry.label, resting)
-        ax.plot(*rest, "s", ms=SQUARE * size, mew=0.0, color=entry.colour, label=at_rest)
+        ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest)
         ax.plot(*rest, label=DECORATION, **own)
         ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **own)
     if apart.size:
@@ -234,7 +235,7 @@ def _name_sorts(
         return
     pairs = [*zip(clouds, entries, strict=True)]
     for family, colour in {cloud.family: entry.colour for cloud, entry in pairs}.items():
-        ax.plot([], [], "s", mew=0.0, color=colour, label=family)
+        ax.plot([], [], lw=BAR, solid_capstyle="butt", color=colour, label=family)
     starts = {points.stem(cloud.start): entry.number for cloud, entry in pairs}
     for start, number in starts.items():
         look = style.mark_of(number, len(starts), size)

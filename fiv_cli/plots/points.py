@@ -244,7 +244,7 @@ def _leave_out(ax: Axes, logarithmic: Sequence[int]) -> None:
         count += int(out.sum()) * (line.get_label() != DECORATION)
     if count:
         ax.relim()
-        ax.plot([], [], ls="none", label=f"{LEFT_OUT}: {count}")
+        ax.plot([], [], ls="none", color=style.BLACK, label=f"{LEFT_OUT}: {count}")
 
 
 def of_further_panels(settings: Settings) -> Settings:

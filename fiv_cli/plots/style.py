@@ -303,12 +303,16 @@ def colour_keys(axes: Sequence[Axes]) -> None:
     """Keys of legends that stand for what is drawn in one colour have this one, not black.
 
     A key is a black line without points; what it stands for has its words at the end of a label.
+    Where other keys tell what colours mean, those of marks and dashes stay black.
     """
-    drawn = [*_coloured(axes)]
-    for key in (line for ax in axes for line in ax.lines if _is_key(line)):
+    drawn, listed = [*_coloured(axes)], told_in(axes)[0]
+    keys = [line for ax in axes for line in ax.lines if _is_key(line)]
+    if any(key in listed and key.get_color() != BLACK for key in keys):
+        return
+    for key in keys:
         words = re.compile(f"_(.*, )?{re.escape(str(key.get_label()))}")
         colours = {colour for label, colour in drawn if words.fullmatch(label)}
-        if key.get_color() == BLACK and len(colours) == 1:
+        if len(colours) == 1:
             key.set_color(colours.pop())
 
 
