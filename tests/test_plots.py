@@ -292,6 +292,17 @@ def test_colours_tell_families_and_marks_the_rest():
     assert {to_hex(line.get_color()) for line in drawn} == {BLACK}
 
 
+def test_the_dots_of_one_start_have_an_entry_where_there_is_a_legend():
+    near = figure("bifurcation", select={"initial": "near"})
+    (ax,) = draw(with_eigenvalues(), near).axes
+    told = {"start: near", "stable equilibrium", "unstable equilibrium"}
+    assert {*legend_texts(ax)} == told
+    assert len(marks(ax, "start: near")) == data.bifurcation()["section_row_size"][:, 0].sum()
+    assert not draw(data.bifurcation(), near).findobj(Legend)
+    far = draw(data.bifurcation(), figure("bifurcation", select={"initial": "far"})).axes[0]
+    assert {*legend_texts(far)} == {"start: far", "failed", "undecided"}
+
+
 def test_each_start_has_a_mark_that_shows_through_the_next():
     (ax,) = draw(data.bifurcation(), figure("bifurcation")).axes
     first, second = (

@@ -81,6 +81,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for layer in layers:
         if not any(layer.dataset is one.dataset for one in shown):
             _refuse_apart(layer, shown, axis, observed)
+    before = len(ax.lines)
     _mark(ax, clouds, style.dot_size(axis.size, figure.get_figwidth()))
     where = "" if _turns(first, observed) else ELSEWHERE
     for layer in shown:  # a dataset that belongs to several is drawn with the first of them
@@ -93,8 +94,16 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", _section_words(shown)))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     style.level(ax)
+    if not clouds[0].label and (style.told_in([ax])[1] or points.gaps(first)):  # a legend anyway
+        ax.lines[before].set_label(_start_of(first))
     points.dress([ax], shown, settings)
     return figure
+
+
+def _start_of(diagram: xr.Dataset) -> str:
+    """What the only dots of a diagram are called."""
+    named = "initial" in diagram.coords
+    return f"start: {diagram['initial'].item()}" if named else "section values"
 
 
 @dataclass(frozen=True)
