@@ -15,6 +15,7 @@ from fiv_cli.case.load import parse_case
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import default_figures, draw, figures_of
 from fiv_cli.plots.labels import told_apart, values_along
+from fiv_cli.plots.style import BLACK
 from fiv_cli.reading.datasets import flag_names, read_analyses
 from fiv_cli.reading.summary import summarise
 from fiv_cli.sweep.policy import Policy
@@ -91,6 +92,30 @@ def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
     for word, (at, _) in written.items():
         assert at in ends[[kind == {"goes on": "bracket"}.get(word, word) for kind in kinds]]
     assert "least and greatest" in ax.get_ylabel()
+
+
+def test_marks_are_hollow_and_the_key_points_where_the_branch_goes_on(branches: xr.Dataset) -> None:
+    """Beyond the lower end of the bracket; the key of a branch is its colour alone, no line."""
+    (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
+    (ax,) = draw(branches, figure).axes
+    onwards = [line for line in ax.lines if "goes on" in str(line.get_label())]
+    assert {line.get_marker() for line in onwards} == {"<"} and len(onwards) == 5
+    marks = [line for line in ax.lines if line.get_marker() != "None"]
+    assert {line.get_markerfacecolor() for line in marks} == {"none"}
+    keys = {str(line.get_label()): line for line in ax.lines if not len(line.get_xdata())}
+    branch, stable = keys["$N$ = 9 N"], keys["stable"]
+    assert branch.get_linewidth() > 3.0 * stable.get_linewidth()
+    assert stable.get_color() == BLACK
+
+
+def test_what_happens_close_together_is_told_with_how_often(branches: xr.Dataset) -> None:
+    """Of several branches: how often one of them has it there."""
+    (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
+    ends, kinds = branches["cycle_end"], branches["cycle_end_kind"]
+    near = ends.copy(data=ends.values[[1, 1, 1, 4, 4, 4]] + [0.0, 1e-3, 2e-3] * 2)
+    of_near = kinds.copy(data=kinds.values[[1, 1, 2] * 2])
+    (ax,) = draw(branches.assign(cycle_end=near, cycle_end_kind=of_near), figure).axes
+    assert {text.get_text() for text in ax.texts} == {"2 × grazing,\nequilibrium"}
 
 
 def test_a_dataset_without_branches_says_what_to_do(branches: xr.Dataset) -> None:

@@ -33,9 +33,9 @@ DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.3
 PALE = 0.4  # what has no class may be on its way yet
-BAR = 5.0  # thickness of a key that is a colour alone, pt
 ELSEWHERE = ", not at the section"
-MARK = 4.0  # size of the marks of changes of cycles, pt
+# Of changes of cycles: full, since the hollow marks are those of starts.
+CHANGE: dict[str, Any] = {"mec": "white", "mew": 0.4, "ms": 4.0, "ls": "none"}
 SECTION_WORDS = {
     "slip_to_stick": r"slip $\to$ stick",
     "stick_to_slip": r"stick $\to$ slip",
@@ -244,7 +244,7 @@ def _name_sorts(
         return
     pairs = [*zip(clouds, entries, strict=True)]
     for family, colour in {cloud.family: entry.colour for cloud, entry in pairs}.items():
-        ax.plot([], [], lw=BAR, solid_capstyle="butt", color=colour, label=family)
+        ax.plot([], [], color=colour, label=family, **style.COLOUR_ALONE)
     starts = {points.stem(cloud.start): entry.number for cloud, entry in pairs}
     for start, number in starts.items():
         look = style.mark_of(number, len(starts), size)
@@ -426,8 +426,8 @@ def _mark_changes(
     """A mark at each change and end of branches, in the colour of their diagram."""
     for line in points.lines(dataset, [], points.grid_dims(dataset)):
         place, colour = _whose(layer, dataset.isel(line.index), axis, colours)
-        branch.draw_marks(ax, dataset, line.index, colour, place, MARK, at_section=True)
-    branch.name_marks(ax, [dataset])
+        branch.draw_marks(ax, dataset, line.index, colour, place, CHANGE, at_section=True)
+    branch.name_marks(ax, [dataset], CHANGE)
 
 
 def _whose(

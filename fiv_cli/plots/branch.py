@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.text import Annotation
     from matplotlib.typing import ColorType
 
 ALONG = "branch_value"
@@ -37,12 +40,16 @@ MARKS = {
     "other": "h",
     "bracket": ">",
 }
+# Where bends lie close together the curve is seen inside their marks.
+HOLLOW: dict[str, Any] = {"mfc": "none", "mew": 0.6, "ms": 4.5, "ls": "none"}
 TOLD = {"equilibrium": "cycle ends at an equilibrium", "bracket": "goes on beyond the bracket"}
 LARGER = {"*": 1.7}  # of other marks: a star of their size is a dot
 AT_MARK = {"bracket": "goes on"}
 ABOVE = 5.0  # a mark, pt: where its word begins
 EDGE = 0.12  # of the width of a panel: no word that begins so near a side reaches beyond it
 SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
+TIMES = "\N{MULTIPLICATION SIGN}"
+LEFTWARDS = "<"
 UNMET = "|"  # what the model asks of its parameters no longer holds
 
 
@@ -82,21 +89,37 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
 
 def _write_words(ax: Axes, named: Sequence[tuple[xr.Dataset, Mapping[str, int]]]) -> None:
-    """What happens at each mark, above it: where no word is yet that it would lie on."""
-    size, taken = mpl.rcParams["legend.fontsize"], np.zeros((0, 2))
+    """What happens at each mark, above it: with what is near, how often a branch has it there."""
+    told: dict[Annotation, Counter[str]] = {}
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
     for dataset, index in named:
+        own: Counter[tuple[Annotation, str]] = Counter()
         value, heights = _heights(dataset, index, at_section=False)
         for place, at, _, kind in _marks(dataset, index, value):
             word, where = AT_MARK.get(kind, kind.replace("_", " ")), (at, heights[:, place].max())
-            here = ax.transData.transform(where)
-            apart = np.abs(taken - here) * style.POINTS / (ax.figure.dpi * size)
-            if (apart > (levels.ROOM * style.LETTER * len(word), style.LINE)).any(axis=1).all():
-                across = ax.transAxes.inverted().transform(here)[0]
+            text = next((one for one in told if _lie_on_each_other(ax, where, word, one)), None)
+            if text is None:
+                across = (ax.transData - ax.transAxes).transform(where)[0]
                 side = "left" if across < EDGE else "right" if across > 1.0 - EDGE else "center"
-                ax.annotate(word, where, (0.0, ABOVE), textcoords="offset points", ha=side,
-                            fontsize=size, path_effects=levels.HALO)  # fmt: skip
-                taken = np.vstack([taken, here])
+                text = ax.annotate(
+                    "", where, (0.0, ABOVE), textcoords="offset points", ha=side, va="bottom",
+                    fontsize=mpl.rcParams["legend.fontsize"], path_effects=levels.HALO,
+                )  # fmt: skip
+            own[text, word] += 1
+            counts = told.setdefault(text, Counter())
+            counts[word] = max(counts[word], own[text, word])
+            text.xy = max(text.xy, where, key=itemgetter(1))
+    for text, counts in told.items():
+        times = [word if n == 1 else f"{n} {TIMES} {word}" for word, n in counts.items()]
+        text.set_text(",\n".join(times))
+
+
+def _lie_on_each_other(ax: Axes, where: tuple[float, float], word: str, text: Annotation) -> bool:
+    """Whether a word above a place has no room beside a text."""
+    letter = mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS
+    here, there = ax.transData.transform([where, text.xy]) / letter
+    room = levels.ROOM * style.LETTER * len(word), style.LINE
+    return bool((np.abs(here - there) <= room).all())
 
 
 def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry) -> None:
@@ -106,7 +129,7 @@ def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: poin
             dash, told = DASHES.get(word, "-"), points.unlisted(entry.label, word)
             ax.plot(value, height, dash, color=entry.colour, label=told)
     draw_marks(ax, dataset, index, entry.colour, entry.label)
-    ax.plot([], [], "-", color=entry.colour, label=entry.label)
+    ax.plot([], [], color=entry.colour, label=entry.label, **style.COLOUR_ALONE)
 
 
 def draw_marks(
@@ -115,7 +138,7 @@ def draw_marks(
     index: Mapping[str, int],
     colour: ColorType,
     whose: str,
-    size: float = 6.0,
+    look: Mapping[str, Any] = HOLLOW,
     *,
     at_section: bool = False,
 ) -> None:
@@ -123,11 +146,10 @@ def draw_marks(
     value, heights = _heights(dataset, index, at_section)
     for place, at, error, kind in _marks(dataset, index, value):
         mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, _words(kind))
-        mark = "<" if kind == "bracket" and at < value.mean() else mark
-        wide = LARGER.get(mark, 1.0) * size
+        mark = LEFTWARDS if kind == "bracket" and at < value.mean() else mark
+        wide = LARGER.get(mark, 1.0) * look["ms"]
         for height in heights[:, place]:
-            ax.plot(at, height, mark, color=colour, mec="white", mew=0.4, ms=wide, zorder=4.5,
-                    label=told)  # fmt: skip
+            ax.plot(at, height, mark, color=colour, zorder=4.5, label=told, **{**look, "ms": wide})
         if error > 0.0:
             ends = at - error, at + error
             ax.hlines(heights[:, place], *ends, colour, lw=0.8, label=f"{told}, error bar")
@@ -252,14 +274,16 @@ def _name_lines(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
     name_marks(ax, datasets)
 
 
-def name_marks(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
-    """Legend entries of the marks of changes and ends that are there."""
+def name_marks(ax: Axes, datasets: Sequence[xr.Dataset], look: Mapping[str, Any] = HOLLOW) -> None:
+    """Legend entries of the marks of changes and ends that are there, each as it is drawn."""
     kinds = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
     marks = MARKS | dict.fromkeys(sorted(kinds - {*MARKS, *UNMARKED}), UNMET)
+    onwards = [line for line in ax.lines if str(line.get_label()).endswith(_words("bracket"))]
+    if {line.get_marker() for line in onwards} == {LEFTWARDS}:
+        marks["bracket"] = LEFTWARDS
     for word, mark in marks.items():
         if word in kinds:
-            ax.plot([], [], mark, color=style.BLACK, mec="white", mew=0.4, ms=6, ls="none",
-                    label=_words(word))  # fmt: skip
+            ax.plot([], [], mark, color=style.BLACK, label=_words(word), **look)
 
 
 def _words(kind: str) -> str:

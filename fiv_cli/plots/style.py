@@ -52,6 +52,7 @@ GREY = "#BBBBBB"
 # are a pair that is told apart where they coincide: a cross in a circle, a dot in a square.
 MARKS = (("o", 2.4), ("+", 1.9), ("s", 1.8), (".", 2.0))
 LINES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+COLOUR_ALONE: dict[str, Any] = {"lw": 5.0, "solid_capstyle": "butt"}  # a key that is no mark
 DASHES = ("-", "--", "-.", (0, (5, 1.5, 1, 1.5, 1, 1.5)))
 
 CLASSES = {
