@@ -1334,6 +1334,18 @@ def test_a_figure_too_narrow_for_its_panels_says_how_wide_it_may_be(kind):
         draw(dataset[kind], figure(kind), look=look_of("screen", height=20.0))
 
 
+def test_starts_on_both_axes_of_a_map_are_called_alike():
+    """However long the meaning of a state is."""
+    found = data.stability_map(initial=("reached",)).rename(Omega="initial_x", N0="initial_x_dot")
+    for name, symbol, unit, meaning in (
+        ("initial_x", "x", "m", "start: displacement of the mass"),
+        ("initial_x_dot", r"\dot{x}", "m s-1", "start: velocity: displacement of the mass"),
+    ):
+        found[name].attrs = {"symbol": symbol, "units": unit, "long_name": meaning}
+    (ax,) = draw(found, figure("map", variable="attractor")).axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("initial $x$ (m)", r"initial $\dot{x}$ (m/s)")
+
+
 def test_the_axes_of_a_map_can_be_exchanged():
     drawn = draw(data.stability_map(), figure("map", x="N0", y="Omega"))
     assert drawn.axes[0].get_xlabel() == "normal preload $N_0$ (N)"

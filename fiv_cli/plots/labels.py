@@ -29,14 +29,20 @@ FORMULA = re.compile(r"\w+ ?/ ?(?:\(|sqrt)")
 VARIANTS = {"phi": r"\varphi"}
 
 LONGEST_MEANING = 40
+START = "start: "  # before the meaning of a state
 LONGEST_SUBSCRIPT = 3  # x_rms is a symbol, n_solutions is words
 MOST_PARAMETERS = 2  # that tell datasets of one figure apart
 
 
 def axis_label(variable: xr.DataArray, name: str = "") -> str:
-    r"""What stands at an axis: ``disc speed $\Omega$ (rad/s)``, or ``$\varphi$ (rad)``."""
+    r"""What stands at an axis: ``disc speed $\Omega$ (rad/s)``, or ``$\varphi$ (rad)``.
+
+    States where motions begin go by their symbols, since the meaning of one is short and of another
+    long: ``initial $x$ (m)``.
+    """
     name = name or str(variable.name)
     meaning = str(variable.attrs.get("long_name", ""))
+    meaning = "initial" if meaning.startswith(START) and has_symbol(variable, name) else meaning
     words = with_symbols(meaning) if 0 < len(meaning) <= LONGEST_MEANING else ""
     is_formula = bool(words and FORMULA.search(meaning))
     if has_symbol(variable, name):
