@@ -114,8 +114,22 @@ def test_what_happens_close_together_is_told_with_how_often(branches: xr.Dataset
     ends, kinds = branches["cycle_end"], branches["cycle_end_kind"]
     near = ends.copy(data=ends.values[[1, 1, 1, 4, 4, 4]] + [0.0, 1e-3, 2e-3] * 2)
     of_near = kinds.copy(data=kinds.values[[1, 1, 2] * 2])
-    (ax,) = draw(branches.assign(cycle_end=near, cycle_end_kind=of_near), figure).axes
+    inside = branches["cycle_end_goes_on"].copy(data=[1] * 6)  # all are changes, none an end
+    changes = {"cycle_end": near, "cycle_end_kind": of_near, "cycle_end_goes_on": inside}
+    (ax,) = draw(branches.assign(changes), figure).axes
     assert {text.get_text() for text in ax.texts} == {"2 × grazing,\nequilibrium"}
+
+
+def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None:
+    """Not at another of many cycles at one value of the parameter."""
+    (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
+    upright = branches["branch_value"].copy(data=np.full(branches["branch_value"].size, 1.0))
+    (ax,) = draw(branches.assign(branch_value=upright), figure).axes
+    marks = [line for line in ax.lines if "at an equilibrium" in str(line.get_label())]
+    heights = [height for line in marks for height in line.get_ydata()]
+    rows = np.cumsum(branches["branch_row_size"].values.ravel()) - 1
+    rests = [branches[f"branch_{end}"].values[row] for row in rows for end in ("min", "max")]
+    assert heights == rests
 
 
 def test_a_dataset_without_branches_says_what_to_do(branches: xr.Dataset) -> None:

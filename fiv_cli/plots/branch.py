@@ -257,12 +257,20 @@ def _rows(dataset: xr.Dataset, name: str, index: Mapping[str, int]) -> slice:
 def _marks(
     dataset: xr.Dataset, index: Mapping[str, int], value: np.ndarray
 ) -> Iterator[tuple[int, float, float, str]]:
-    """Nearest point of the branch, value of the parameter, its error and kind of every change."""
+    """Point of the branch, value of the parameter, its error and kind of every change.
+
+    At an end of the branch its first or last point, else the nearest.
+    """
     row = _rows(dataset, "cycle_end", index)
     at, error = (dataset[name].values[row].tolist() for name in ("cycle_end", "cycle_end_error"))
-    for one, off, kind in zip(at, error, class_names(dataset["cycle_end_kind"])[row], strict=True):
+    places = [int(np.argmin(np.abs(value - one))) for one in at]
+    if len(at) > 1 and "cycle_end_goes_on" in dataset:
+        first, *_, last = class_names(dataset["cycle_end_goes_on"])[row] == "no"
+        places[0], places[-1] = 0 if first else places[0], value.size - 1 if last else places[-1]
+    kinds = class_names(dataset["cycle_end_kind"])[row]
+    for place, one, off, kind in zip(places, at, error, kinds, strict=True):
         if kind not in UNMARKED:
-            yield int(np.argmin(np.abs(value - one))), one, off, str(kind)
+            yield place, one, off, str(kind)
 
 
 def _name_lines(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
