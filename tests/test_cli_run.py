@@ -99,6 +99,25 @@ def test_quiet_says_nothing_but_the_path(capsys: pytest.CaptureFixture[str]) -> 
     assert capsys.readouterr() == ("runs/pin.nc\n", "")
 
 
+def test_an_answer_counts_what_the_grid_has_by_now(capsys: pytest.CaptureFixture[str]) -> None:
+    """Not points of an earlier grid, which are kept."""
+    case = """\
+        schema = 1
+        [model]
+        name = "flutter-2dof"
+        [grid]
+        c1 = [0.1, 0.2, 0.3]
+        [[analysis]]
+        kind = "critical"
+        parameter = "mu_k"
+        bracket = [0.0, 60.0]
+        """
+    Path("flutter.toml").write_text(case)
+    for grid, count in (("[0.1, 0.2, 0.3]", 3), ("[0.3, 0.4]", 2)):
+        assert fiv(["run", "flutter.toml", "--set", f"grid.c1={grid}", "-o", "flutter.nc"]) == 0
+        assert f" ({count})\n" in capsys.readouterr().err
+
+
 def test_a_dataset_that_is_not_written_is_not_named_on_stdout(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -2658,6 +2658,34 @@ def test_datasets_of_one_figure_are_called_by_what_they_differ_in(changes, calle
     assert words.told_apart([("one", one), ("two", other)]) == called
 
 
+def test_what_one_dataset_fixes_and_another_varies_is_its_name():
+    """The lines of the other tell theirs, unless it has but the axis of the figure."""
+    grid = data.axes(c=[1.0, 2.0], mu_k=[0.1, 0.2, 0.3])
+    swept = data.response(np.full((2, 3), "periodic"), np.ones((2, 3)), grid)
+    swept["c"].attrs |= {"units": "N", "symbol": "c"}
+    alone = swept.isel(c=0, mu_k=0)
+    assert words.told_apart([("a", swept), ("b", alone)])[0] == ""
+    assert words.told_apart([("a", swept), ("b", alone)])[1].startswith("$c$ = 1 N, ")
+    assert words.told_apart([("a", swept.isel(c=0)), ("b", alone)])[0] == "a"
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "told"),
+    [(0.3, 8.0, ["0.5", "1", "2", "5"]), (0.3, 300.0, ["$10^{0}$", "$10^{1}$", "$10^{2}$"])],
+)
+def test_a_short_logarithmic_axis_has_plain_numbers_and_a_long_one_powers(low, high, told):
+    found = data.bifurcation()
+    found = found.assign_coords(Omega=np.geomspace(low, high, found.sizes["Omega"]))
+    (ax,) = draw(found, figure("curve", variable="L_s", log="x", xlim=[low, high])).axes
+    ticks = [(tick.get_loc(), tick.label1.get_text()) for tick in ticks_of(ax.xaxis)]
+    assert [text for at, text in sorted(ticks) if low <= at <= high and text] == told
+
+
+def ticks_of(axis):
+    axis.figure.draw_without_rendering()
+    return [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+
+
 def test_of_several_files_the_one_that_cannot_be_drawn_is_named(stored):
     asked = ["bifurcation.nc", "stability_map.nc", "--figure", "branch"]
     with pytest.raises(

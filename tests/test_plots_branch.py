@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import UsageError
@@ -181,6 +182,29 @@ def test_branches_have_the_colours_of_the_diagrams_of_their_parameters(tmp_path:
         colours |= own
     assert len(colours) == 2
     assert {"stable cycle", "grazing"} <= {*lines}
+
+
+def test_neutral_cycles_are_in_a_diagram_too() -> None:
+    """They join a branch to the equilibrium that it ends at."""
+    table = {
+        "schema": 1,
+        "model": {"name": "flutter-2dof", "parameters": {"c1": 0.1, "c2": 0.1}}
+        | {"options": {"states": "all"}},
+        "friction": {"law": "coulomb", "mu_k": 5.0},
+        "initial": [{"kind": "state"}],
+    }
+    section = {"observe": "x", "section": {"zero": "x_dot", "direction": "both"}}
+    followed = {"kind": "cycle", "parameter": "mu_k", "bracket": [3.0, 8.8], "t_max": 600.0}
+    cycles = api.run(api.load(table | {"analysis": [section | followed | {"transient": 500.0}]}))
+    swept = table | {"analysis": [section | {"kind": "response", "t_max": 600.0}]}
+    found = api.run(api.load(swept, {"grid.mu_k": [5.0, 6.0, 7.0]}))
+    (diagram,) = [one for one in default_figures(found) if one.kind == "bifurcation"]
+    (ax,) = draw([("", found), ("", cycles)], diagram).axes
+    neutral = [line for line in ax.lines if str(line.get_label()).endswith("neutral cycle")]
+    drawn = [line.get_xydata() for line in neutral if len(line.get_xdata())]
+    at = np.concatenate(drawn)
+    np.testing.assert_allclose(at[:, 0], 4.38133283987, atol=1e-6)
+    assert np.ptp(at[:, 1]) > 1.3
 
 
 def test_datasets_of_an_axis_of_one_value_are_called_by_it() -> None:

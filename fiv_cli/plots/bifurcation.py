@@ -42,7 +42,7 @@ SECTION_WORDS = {
     "turning_point": "a turning point",
     "impact": "an impact",
 }
-CYCLES = {"stable": "-", "unstable": "--"}
+CYCLES = {"stable": "-", "unstable": "--", "neutral": "-."}
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1)}
 ALIKE = 1e-3  # of heights that are the same in a figure
 
@@ -391,17 +391,19 @@ def _draw_cycles(
 ) -> None:
     """Every cycle along `axis`, in the colour of its diagram: what it passes at the section.
 
-    Of a cycle that is not known there the least and the greatest, and only if it is unstable: the
+    Of a cycle that is not known there the least and the greatest, and only if it is not stable: the
     marks of a stable one lie elsewhere.
     """
     observed = _observed(layer.dataset[name])
-    extremes_of = f"unstable cycle: least and greatest ${labels.symbol_of_name(observed)}${where}"
+    extremes = f" cycle: least and greatest ${labels.symbol_of_name(observed)}${where}"
     colours = points.colours([ax])
     for dataset in datasets:
         at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
-        told = (
-            {word: f"{word} cycle" for word in CYCLES} if at_section else {"unstable": extremes_of}
-        )
+        told = {
+            word: f"{word}{' cycle' if at_section else extremes}"
+            for word in CYCLES
+            if at_section or word != "stable"
+        }
         for own, word, x, heights in _cycles(dataset, axis, observed, at_section):
             if word not in told:
                 continue

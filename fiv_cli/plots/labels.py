@@ -176,7 +176,8 @@ def values_along(axes: Sequence[xr.DataArray], index: int) -> list[str]:
 def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     r"""What to call each of several datasets in one figure: what they differ in, else their files.
 
-    That is the law, or one or two fixed parameters: ``stribeck``; ``$c_1$ = $c_2$ = 3 N s/m``.
+    That is the law, or one or two fixed parameters: ``stribeck``; ``$c_1$ = $c_2$ = 3 N s/m``; or
+    those that others vary.
     """
     datasets = [dataset for _, dataset in files]
     laws = [str(one.attrs.get("law", "")) for one in datasets]
@@ -186,7 +187,29 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     branches = ["branch_value" in one for one in datasets]  # they are called as their diagram is
     named = [name for name, branch in zip(found, branches, strict=False) if not branch] or found
     apart = len({*named}) == len(named) == (len(files) - sum(branches) or len(files))
-    return found if apart else [name for name, _ in files]
+    if apart:
+        return found
+    fixed = [_fixed_of_axes(one, datasets) for one in datasets]
+    alone = fixed.count("") == 1 < len(fixed)  # its own lines tell it from what is fixed
+    return [
+        name or ("" if alone and _has_lines(one) else file)
+        for name, (file, one) in zip(fixed, files, strict=True)
+    ]
+
+
+def _has_lines(dataset: xr.Dataset) -> bool:
+    """Whether it varies along an axis beside that of a figure."""
+    return sum(dataset.sizes[dim] > 1 for dim in dataset["status"].dims) > 1
+
+
+def _fixed_of_axes(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> str:
+    """The parameters of one value here that others vary; "" of none."""
+    varied = {name for one in others for name, axis in one.coords.items() if axis.size > 1}
+    kept = [value for name, value in dataset.coords.items() if name in varied and not value.ndim]
+    alike: dict[tuple[object, float], list[xr.DataArray]] = {}
+    for value in filter(_is_one_number, kept):
+        alike.setdefault((value.attrs.get("units"), value.item()), []).append(value)
+    return ", ".join(map(_equal, alike.values()))
 
 
 def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:

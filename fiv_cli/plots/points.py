@@ -199,6 +199,8 @@ def scale(ax: Axes, settings: Settings) -> None:
     logarithmic = [which for which in "xy" if log is True or which in str(log)]
     _leave_out(ax, ["xy".index(which) for which in logarithmic])
     ax.set(**{f"{which}scale": "log" for which in logarithmic})
+    for which in logarithmic:
+        style.label_log(ax.xaxis if which == "x" else ax.yaxis)
     for which, limits in (("x", settings.get("xlim")), ("y", settings.get("ylim"))):
         if limits is not None:
             ax.set(**{f"{which}lim": [in_si(bound) for bound in limits]})

@@ -31,7 +31,7 @@ from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 from matplotlib.textpath import TextPath
-from matplotlib.ticker import AutoLocator
+from matplotlib.ticker import AutoLocator, FuncFormatter
 
 from fiv_cli.errors import StorageError, UsageError
 from fiv_cli.files import refuse_special, write_whole
@@ -40,6 +40,7 @@ from fiv_cli.plots import drawn
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.legend import Legend
     from matplotlib.path import Path as Outline
     from matplotlib.typing import ColorType
@@ -432,6 +433,24 @@ def level(ax: Axes) -> None:
     low, high = ax.dataLim.intervaly
     if 0.0 <= high - low < ROUNDING * abs(low):
         ax.set_ylim(*sorted((0.9 * low, 1.1 * low)))
+
+
+def label_log(axis: Axis) -> None:
+    """Over less than two decades write the numbers themselves, at 1, 2 and 5; else powers of ten.
+
+    Matplotlib's own minor labels run into each other on a small figure.
+    """
+
+    def told(value: float, _: object) -> str:
+        low, high = sorted(axis.get_view_interval())
+        power = int(np.floor(np.log10(value) + ROUNDING))
+        first = round(value / 10.0**power, 6)
+        if high < 100.0 * low:
+            return f"{value:g}" if first in (1.0, 2.0, 5.0) else ""
+        return f"$10^{{{power}}}$" if first == 1.0 else ""
+
+    axis.set_major_formatter(FuncFormatter(told))
+    axis.set_minor_formatter(FuncFormatter(told))
 
 
 def finish(figure: Figure) -> None:

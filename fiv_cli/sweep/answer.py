@@ -139,8 +139,12 @@ def _found(journal: Journal, index: int) -> Iterator[str]:
     """``boundary 6.84 to 14.83 rad s-1 (9)``: the range of what is asked for, and how many."""
     variables = journal.plan.analyses[index].layout.variables
     for variable in (one for one in variables if one.headline and one.kind == "float"):
-        blocks = (block.values.get(variable.name, ()) for _, block in journal.blocks(index))
-        values = np.concatenate([np.zeros(0), *map(np.ravel, blocks)])
+        blocks = [
+            np.ravel(block.values[variable.name][positions >= 0])  # what the grid has by now
+            for positions, block in journal.blocks(index)
+            if variable.name in block.values
+        ]
+        values = np.concatenate([np.zeros(0), *blocks])
         values = values[np.isfinite(values)]
         ends = {f"{end:.6g}": None for end in (values.min(), values.max())} if values.size else {}
         unit = "" if variable.units == "1" else f" {variable.units}"
