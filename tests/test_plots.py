@@ -1154,6 +1154,17 @@ def test_the_ordinate_reaches_over_what_lies_between_the_limits(kind):
     assert not draw(dataset, beyond).findobj(Legend)
 
 
+def test_a_part_in_view_that_is_constant_is_drawn_as_one():
+    """But zero, above which modes grow, stays in the panel of their growth."""
+    dataset = data.bifurcation()
+    dataset["L_s"] = 0.03 + 1e-14 * dataset["Omega"] + (dataset["Omega"] < 2.0) * dataset["L_s"]
+    low, high = draw(dataset, figure("curve", variable="L_s", xlim=[2.5, 4.0])).axes[0].get_ylim()
+    assert low < 0.03 < high and high - low > 0.003
+    growth = draw(data.eigenvalues(), figure("eigenvalues", xlim=[0.2, 0.4])).axes[0]
+    low, high = growth.get_ylim()
+    assert -0.1 < low < -0.05 and 0.0 < high < 0.1
+
+
 def test_error_bars_in_view_have_room():
     """The line leads from 4 at 20 N to 7 ± 0.2 at 30 N."""
     asked = figure("curve", variable="boundary", xlim=[29.0, 35.0])

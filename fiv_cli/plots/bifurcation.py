@@ -93,7 +93,6 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _draw_equilibria(ax, layer, lines, found_at, axis)
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", _section_words(shown)))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
-    style.level(ax)
     if not clouds[0].label and (style.told_in([ax])[1] or points.gaps(first)):  # a legend anyway
         ax.lines[before].set_label(_start_of(first))
     points.dress([ax], shown, settings)

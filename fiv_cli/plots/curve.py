@@ -150,8 +150,6 @@ def _panel(
     for told, look in UNSURE.items():
         if any(str(drawn.get_label()).endswith(told) for drawn in (*ax.lines, *ax.collections)):
             ax.plot([], [], color=style.BLACK, label=told, **look)
-    if not classes:
-        style.level(ax)
     _name_values(ax, variables)
 
 

@@ -222,7 +222,6 @@ def _scale_to_view(ax: Axes) -> None:
     if known.size:
         ax.dataLim.intervaly = known.min(), known.max()
         ax.autoscale_view(scalex=False)
-        style.level(ax)
 
 
 def _heights(points: np.ndarray, joined: bool, limits: Sequence[float]) -> np.ndarray:
@@ -417,6 +416,8 @@ def dress(
     dress_axis(axes[-1], axis, "x")
     for ax in axes:
         scale(ax, settings if ax is axes[0] else of_further_panels(settings))
+        if ax.get_autoscaley_on():
+            style.level(ax)
         reach(ax, axis)
     mark_gaps(axes, layers, settings, told)
     legend(axes)
