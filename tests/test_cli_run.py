@@ -8,6 +8,7 @@ import subprocess
 import tomllib
 from datetime import datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -254,6 +255,27 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     capsys.readouterr()
     assert fiv(["status", "pin.toml"]) == 0
     assert "(complete, as it was before; `fiv run` writes it anew)" in capsys.readouterr().out
+
+
+def test_status_looks_again_where_a_live_run_has_merged_its_files(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file that was listed is gone when it is read: what it held lies in another by then."""
+    from fiv_cli.data.shard import UnreadableShard
+    from fiv_cli.sweep.journal import Journal
+
+    assert fiv(["run", "pin.toml", "-q"]) == 0
+    blocks, looks = Journal.blocks, []
+
+    def gone_once(journal: Journal, index: int) -> Any:
+        looks.append(index)
+        if len(looks) == 1:
+            raise UnreadableShard("no file")
+        return blocks(journal, index)
+
+    monkeypatch.setattr(Journal, "blocks", gone_once)
+    assert fiv(["status", "pin.toml"]) == 0
+    assert "4 of 4 points done" in capsys.readouterr().out and len(looks) > 1
 
 
 def test_status_says_how_many_of_the_points_that_are_done_failed(

@@ -24,7 +24,7 @@ from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
 from fiv_cli.dynamics.settings import Section
 from fiv_cli.errors import CaseError, EmptyFigureError, InputError, StorageError, UsageError
-from fiv_cli.flags import REASON, advice
+from fiv_cli.flags import COMPUTED, REASON, advice
 from fiv_cli.friction import get_law
 from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
 from fiv_cli.plots import labels as words
@@ -1636,6 +1636,37 @@ def test_a_curve_of_shares_of_random_starts_has_their_standard_error(kind, bars)
     assert len(drawn) == bars == 2 * ax.get_ylabel().count(" ± standard error")
     for (low, high), p in zip(drawn, share, strict=False):
         assert high - low == pytest.approx(2.0 * np.sqrt(p * (1.0 - p) / 200))
+
+
+def test_a_map_counts_the_filled_in_points_of_what_it_shows():
+    """Not those of the panels that a selection leaves out."""
+    grid = data.axes(N0=[1.0, 2.0], mu_k=[0.1, 0.2], Omega=[1.0, 2.0, 3.0])
+    found = data.response(np.full((2, 2, 3), "periodic"), np.ones((2, 2, 3)), grid)
+    codes = np.array([[[0, 1, 1], [1, 1, 1]], [[0, 0, 0], [2, 1, 1]]], np.int8)
+    table = COMPUTED.names
+    words_of = {
+        "flag_values": np.array([*table], np.int8),
+        "flag_meanings": " ".join(table.values()),
+    }
+    found["computed"] = (found["status"].dims, codes, words_of)
+    found["L_s"] = found["L_s"].where(found["computed"] > 0)
+    found = found.assign_attrs(refined_of="attractor", points_run=8, points_filled_in=4)
+    chosen = {"x": "mu_k", "y": "Omega", "variable": "L_s", "select": {"N0": 2.0}}
+    drawn = draw(found, figure("map", **chosen))
+    (told,) = (text for text in legend_texts(drawn) if "not run" in text)
+    assert "3 not run" in told
+    assert "50.0% of 6 points run, 0 of 1 sampled mislabelled" in drawn.get_suptitle()
+
+
+def test_a_table_holds_the_error_bars_that_are_known():
+    """Of an undecided point the share may be anything: it has none."""
+    over = {"what": "share", "of": "periodic", "over": ["initial"]}
+    found = data.basin()
+    codes = found["attractor"].values
+    codes[0] = data.codes(data.ATTRACTORS, "undecided")
+    settings = {"x": "Omega", "variable": "attractor", "take": over}
+    rows = as_csv(draw(found, figure("curve", **settings)), Path("a.csv")).splitlines()
+    assert sum("error bar" in row for row in rows) == 2
 
 
 def test_a_dataset_without_the_axis_of_a_curve_lies_across_it():

@@ -307,7 +307,8 @@ def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:
         kinds = kinds_that_suit(source)
         if not kinds and len(named) == 1:
             raise nothing_suits(source) from None
-        told = f"{file}: {its}" if its else str(error)
+        apart = "\nnext: draw each file by itself" * ("next:" not in str(its))
+        told = f"{file}: {its}{apart}" if its else str(error)
         if figure.kind in kinds or not kinds:
             raise type(its or error)(told) from None
         raise UsageError(f"{told}\n{file} can be drawn with --figure {listed(kinds)}") from None

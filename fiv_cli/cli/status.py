@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from fiv_cli.sweep.answer import Answer
 
 
+LOOKS = 5  # at files that a live run may merge meanwhile
+
+
 @dataclass(frozen=True)
 class Standing:
     """How far a run has come.
@@ -152,7 +155,16 @@ def command(
 
 
 def _standing(source: str, output: Path | None, overrides: tuple[str, ...]) -> Standing:
-    """What is known of a run."""
+    """What is known of a run; looked at again where a live one merged its files meanwhile."""
+    from fiv_cli.data.shard import UnreadableShard
+
+    for _ in range(LOOKS - 1):
+        with suppress(UnreadableShard):
+            return _stored_of(source, output, overrides)
+    return _stored_of(source, output, overrides)
+
+
+def _stored_of(source: str, output: Path | None, overrides: tuple[str, ...]) -> Standing:
     from fiv_cli import api
     from fiv_cli.case.identity import default_output, differences
     from fiv_cli.data.log import run_folder, runs_in

@@ -119,7 +119,8 @@ def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
     if isinstance(artist, Line2D):
         return _pieces_of_line(artist, ax)
     if isinstance(artist, LineCollection):
-        return map(np.asarray, artist.get_segments())
+        pieces = map(np.asarray, artist.get_segments())
+        return (piece for piece in pieces if piece.size)  # an error bar that is not known has none
     if isinstance(artist, ContourSet):
         return map(np.asarray, artist.allsegs[0])
     marks = np.asarray(artist.get_offsets()) if isinstance(artist, PathCollection) else np.empty(0)

@@ -231,12 +231,13 @@ def _overlaid(planes: _Planes, lines: Sequence[_Lines], settings: points.Setting
 
 def _how_run(dataset: xr.Dataset) -> str:
     """How many of the points of a refined map were run, and how far to trust the others."""
-    facts = dataset.attrs
-    if "refined_of" not in facts:
+    if "refined_of" not in dataset.attrs:
         return ""
-    total = facts["points_run"] + facts["points_filled_in"]
-    share = f"{facts['points_run'] / total:.1%} of {total} points run"
-    tested, wrong = facts["sample_size"], facts["sample_mislabelled"]
+    names = "run", "sampled", "sampled_and_mislabelled", "filled_in"
+    counts = [int(is_class(dataset["computed"], (name,)).sum()) for name in names]
+    run, right, wrong, _ = counts
+    tested, total = right + wrong, sum(counts)
+    share = f"{(run + tested) / total:.1%} of {total} points run"
     return f"{share}, {wrong} of {tested} sampled mislabelled" if tested else share
 
 
@@ -335,8 +336,10 @@ def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
         return ""
     reasons = points.gaps(dataset) | _decided(dataset)
     kinds = [kind for kind, mask in reasons.items() if bool((mask & ~known).any())]
-    if filled := dataset.attrs.get("points_filled_in"):
-        kinds.append(f"{filled} not run, only the class filled in (fiv show: what runs them)")
+    if "computed" in dataset:
+        filled = int((is_class(dataset["computed"], ("filled_in",)) & ~known).sum())
+        told = f"{filled} not run, only the class filled in (fiv show: what runs them)"
+        kinds += [told] * (filled > 0)
     return ", ".join(kinds)
 
 
@@ -381,8 +384,11 @@ def _paint_numbers(
         shown = np.where(plane < low, 0.5 * low, plane)  # a logarithm paints no zero
         image = planes.mesh(ax, shown, cmap=colours, norm=norm)
         hatch(ax, np.isnan(plane))
+    of_several = str(
+        planes.dataset.attrs.get("of_several", "")
+    )  # which contact, where one is shown
     figure.colorbar(
-        image, ax=list(axes), label=labels.axis_label(planes.array),
+        image, ax=list(axes), label=points.joined(labels.axis_label(planes.array), of_several),
         extend="min" if below else None, ticks=counts if counted else None,
     )  # fmt: skip
     if below:
