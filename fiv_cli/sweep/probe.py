@@ -31,6 +31,9 @@ FEW_STEPS = 100_000
 PARTS = (1e-3, 1e-2, 1e-1)
 """Shares of the time of its motions, likewise, ..."""
 
+WAITING = 4.0
+"""Times the limit, which is processor time, for which others may keep a task waiting."""
+
 TELLING = 0.1
 """... up to the first that takes this share of what a task may."""
 
@@ -165,7 +168,7 @@ def _of_children() -> float:
 
 
 def _serve(pipe: Connection, theirs: Connection, parent: int) -> None:
-    """Run what comes; SIGALRM keeps its default action, which ends the process."""
+    """Run what comes; SIGPROF and SIGALRM keep their default action, which ends the process."""
     theirs.close()
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -173,7 +176,9 @@ def _serve(pipe: Connection, theirs: Connection, parent: int) -> None:
     with suppress(EOFError, ConnectionError, ending.Ended):  # the parent is ending, or was about to
         while True:
             task, limit = pipe.recv()
-            signal.setitimer(signal.ITIMER_REAL, limit)
+            signal.setitimer(signal.ITIMER_PROF, limit)
+            signal.setitimer(signal.ITIMER_REAL, WAITING * limit)
             result = run_task(task)
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             pipe.send((result, time.process_time()))
