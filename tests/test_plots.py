@@ -2709,6 +2709,8 @@ def test_what_one_dataset_fixes_and_another_varies_is_its_name():
     assert words.told_apart([("a", swept), ("b", alone)])[0] == ""
     assert words.told_apart([("a", swept), ("b", alone)])[1].startswith("$c$ = 1 N, ")
     assert words.told_apart([("a", swept.isel(c=0)), ("b", alone)])[0] == "a"
+    of_one_value = swept.isel(c=[0], mu_k=[0])
+    assert words.told_apart([("a", swept), ("b", of_one_value)])[1].startswith("$c$ = 1 N, ")
 
 
 @pytest.mark.parametrize(

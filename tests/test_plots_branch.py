@@ -15,6 +15,7 @@ from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import default_figures, draw, figures_of
+from fiv_cli.plots.branch import _nearest
 from fiv_cli.plots.labels import told_apart, values_along
 from fiv_cli.plots.style import BLACK
 from fiv_cli.reading.datasets import flag_names, read_analyses
@@ -131,6 +132,13 @@ def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None
     rows = np.cumsum(branches["branch_row_size"].values.ravel()) - 1
     rests = [branches[f"branch_{end}"].values[row] for row in rows for end in ("min", "max")]
     assert heights == rests
+
+
+def test_of_many_cycles_at_one_value_a_change_is_marked_where_the_stability_changes() -> None:
+    value, beside = np.array([1.0, 1.0, 1.0 + 1e-9, 1.1]), np.array([False, False, True, True])
+    assert _nearest(value, 1.0, 1e-6, beside) == 2
+    assert _nearest(value, 1.0, np.nan, beside) == 0
+    assert _nearest(value, 1.09, 1e-6, ~beside) == 3
 
 
 def test_a_dataset_without_branches_says_what_to_do(branches: xr.Dataset) -> None:

@@ -259,11 +259,15 @@ def _marks(
 ) -> Iterator[tuple[int, float, float, str]]:
     """Point of the branch, value of the parameter, its error and kind of every change.
 
-    At an end of the branch its first or last point, else the nearest.
+    At an end of the branch its first or last point, else the nearest: of many at one value, as
+    where the branch stands upright, one beside which the stability changes.
     """
     row = _rows(dataset, "cycle_end", index)
     at, error = (dataset[name].values[row].tolist() for name in ("cycle_end", "cycle_end_error"))
-    places = [int(np.argmin(np.abs(value - one))) for one in at]
+    stability = class_names(dataset["branch_stable"])[_rows(dataset, ALONG, index)]
+    differs = np.append(stability[1:] != stability[:-1], False)
+    beside = differs | np.roll(differs, 1)
+    places = [_nearest(value, one, off, beside) for one, off in zip(at, error, strict=True)]
     if len(at) > 1 and "cycle_end_goes_on" in dataset:
         first, *_, last = class_names(dataset["cycle_end_goes_on"])[row] == "no"
         places[0], places[-1] = 0 if first else places[0], value.size - 1 if last else places[-1]
@@ -271,6 +275,13 @@ def _marks(
     for place, one, off, kind in zip(places, at, error, kinds, strict=True):
         if kind not in UNMARKED:
             yield place, one, off, str(kind)
+
+
+def _nearest(value: np.ndarray, at: float, error: float, beside: np.ndarray) -> int:
+    """The nearest point; of those no further off than the error, rather one of some `beside`."""
+    off = np.abs(value - at)
+    near = beside & (off <= off.min() + np.nan_to_num(error))
+    return int(np.argmin(np.where(near, off, np.inf) if near.any() else off))
 
 
 def _name_lines(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:

@@ -205,7 +205,7 @@ def _has_lines(dataset: xr.Dataset) -> bool:
 def _fixed_of_axes(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> str:
     """The parameters of one value here that others vary; "" of none."""
     varied = {name for one in others for name, axis in one.coords.items() if axis.size > 1}
-    kept = [value for name, value in dataset.coords.items() if name in varied and not value.ndim]
+    kept = [value for name, value in dataset.coords.items() if name in varied]
     alike: dict[tuple[object, float], list[xr.DataArray]] = {}
     for value in filter(_is_one_number, kept):
         alike.setdefault((value.attrs.get("units"), value.item()), []).append(value)

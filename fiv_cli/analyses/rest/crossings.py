@@ -48,7 +48,7 @@ MARGIN = 2.0  # by which departures from a straight line must be smaller than wh
 MEET = 1e-7  # changes below this share of the largest eigenvalue do not let two modes meet
 JUMP = 1e-5  # share of the largest eigenvalue by which a jump moves one
 HALVINGS = 64
-ROUNDED = 16.0 * ULP  # share of a value by which rounding of the other parameters moves it
+ROUNDED = 64.0 * ULP  # share of a value by which the other parameters' rounding moves it (up to 23)
 NEIGHBOURS = 8  # numbers on each side of a root without frequency that are looked at
 
 
