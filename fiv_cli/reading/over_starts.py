@@ -36,9 +36,9 @@ def differing(dataset: xr.Dataset) -> list[dict[str, Any]]:
     reached = dataset.get("attractor")
     if reached is None or reached.dims != dataset["status"].dims or "initial" not in reached.dims:
         return []
-    displacements = [f"{n[:-8]}_max" for n in map(str, dataset) if n.endswith("_dot_max")]
-    known = {"attractor", "reason", "L_s", *displacements} & {*dataset}
-    asked, labels = dataset[[*known]], dataset["initial"].values
+    # what has one value at each point
+    asked = dataset[[name for name, told in dataset.items() if told.dims == reached.dims]]
+    labels = dataset["initial"].values
     if len(labels) > MOST_PAIRED:
         return [{"starts": f"all {len(labels)} starts", **_among(asked)}]
     return [_of_pair(asked.sel(initial=list(pair))) for pair in combinations(labels, 2)]
@@ -89,7 +89,8 @@ def _elsewhere(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Where several starts end stuck, and where they do so at other displacements."""
     is_stuck = is_class(dataset.get("reason", dataset["attractor"]), ("stuck",))
     elsewhere = is_stuck.any("initial") & False
-    for name in (name for name in map(str, dataset) if name.endswith("_max")):
+    greatest = [n for n in map(str, dataset) if n.endswith("_max") and not n.endswith("_dot_max")]
+    for name in greatest:
         at_rest = dataset[name].where(is_stuck)
         elsewhere |= _spread(at_rest) > _tolerance(dataset) * abs(dataset[name]).max()
     return is_stuck.sum("initial") > 1, elsewhere
