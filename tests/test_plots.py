@@ -2713,6 +2713,56 @@ def test_what_one_dataset_fixes_and_another_varies_is_its_name():
     assert words.told_apart([("a", swept), ("b", of_one_value)])[1].startswith("$c$ = 1 N, ")
 
 
+def test_datasets_of_other_settings_are_called_by_these_and_not_by_their_crossings():
+    def followed(way, crossings):
+        grid = data.axes(N0=[1.0, 2.0], crossing=np.arange(crossings))
+        made = data.response(np.full((2, crossings), "periodic"), np.ones((2, crossings)), grid)
+        made["status"] = made["status"].isel(crossing=0, drop=True)
+        told = {"ends": {"settings": {"follow": way, "width": 1e-6, "bracket": [1.0, 2.0]}}}
+        return made.assign_attrs(analyses_json=json.dumps(told))
+
+    files = [("a", followed("none", 2)), ("b", followed("up", 1))]
+    assert words.told_apart(files) == ["follow = none", "follow = up"]
+    assert words.told_apart([files[0], ("b", followed("none", 1))]) == ["a", "b"]
+
+
+def test_a_spectrum_along_an_axis_may_have_logarithmic_frequencies(recwarn):
+    """Up to the highest, as a linear axis, without a word of matplotlib's."""
+    (ax, _), top = draw(data.spectra(), figure("spectrum", log="y")).axes[:2], 40.0
+    assert ax.get_yscale() == "log" and ax.get_ylim()[0] > 0.0
+    assert ax.get_ylim()[1] == pytest.approx(top)
+    assert not [str(one.message) for one in recwarn if "limit" in str(one.message)]
+
+
+def test_a_sort_of_crossing_has_one_mark_in_all_datasets_of_a_figure():
+    """One that a dataset alone has takes no mark of another in its place."""
+    both = crossings_of(["periodic", "equilibrium"])
+    one = crossings_of(["equilibrium"])
+    (ax,) = draw([("both", both), ("one", one)], figure("curve", variable="boundary")).axes
+    marks = {
+        str(line.get_label()).removeprefix("_"): line.get_marker()
+        for line in ax.lines
+        if len(line.get_xdata()) and line.get_marker() not in ("None", "s")
+    }
+    told = {label.split(", ", 1)[1]: set() for label in marks}
+    for label, mark in marks.items():
+        told[label.split(", ", 1)[1]].add(mark)
+    assert len(told) == 2 and all(len(own) == 1 for own in told.values())
+
+
+def crossings_of(below):
+    """Changes of a boundary from each of these classes to chaos, at three preloads."""
+    grid = data.axes(N0=[1.0, 2.0, 3.0])
+    dims, size = ("N0", "crossing"), len(below)
+    found = data.response(np.full(3, "periodic"), np.ones(3), grid).drop_vars("attractor")
+    heights = np.arange(1.0, 1.0 + size) + np.zeros((3, 1))
+    found["boundary"] = (dims, heights, {"units": "N", "long_name": "border"})
+    for side, names in (("below", below), ("above", ["chaotic"] * size)):
+        classes = np.tile(names, (3, 1))
+        found[f"class_{side}"] = data.flags(dims, classes, data.ATTRACTORS)
+    return found
+
+
 @pytest.mark.parametrize(
     ("low", "high", "told"),
     [(0.3, 8.0, ["0.5", "1", "2", "5"]), (0.3, 300.0, ["$10^{0}$", "$10^{1}$", "$10^{2}$"])],

@@ -79,7 +79,10 @@ FIGURES = {
         "one state, or force, against another",
         ("x", "y", "variable", "contact", "window", "overlay"),
     ),
-    "spectrum": ("amplitudes over frequency", ("x", "variable", "window", "unit")),
+    "spectrum": (
+        "amplitudes over frequency; along an axis of numbers shades, frequency upright",
+        ("x", "variable", "window", "unit"),
+    ),
     "spectrogram": ("amplitudes over time and frequency", ("variable", "unit", "resolution")),
     "mode-shape": ("shapes of the modes of a disc", ("unit",)),
 }

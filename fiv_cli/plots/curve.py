@@ -83,13 +83,14 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _refuse_without(layer, names)
     panels, axis = _panels(dataset, names), points.abscissa(dataset, settings)
     along = [layers[0], *(one for one in layers[1:] if select.has_axis(one.dataset, axis.name))]
+    sorts = list(dict.fromkeys(sort for layer in layers for sort in _sorts(layer.dataset)))
     drawn = [
         (place, curve)
         for layer in layers
         for place, own in enumerate(panels)
         for name in own
         for curve in (
-            _curves(layer, name, len(own) > 1, settings)
+            _curves(layer, name, len(own) > 1, settings, sorts)
             if any(layer is one for one in along)
             else _across(layer, name, points.positions(axis))
         )
@@ -246,8 +247,17 @@ class _Curve:
         return self.ends[0] < self.ends[1]
 
 
-def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settings) -> list[_Curve]:
-    """The lines of one variable of one dataset; their labels have its words if it is `named`."""
+def _curves(
+    layer: points.Layer,
+    name: str,
+    named: bool,
+    settings: points.Settings,
+    sorts: Sequence[str],
+) -> list[_Curve]:
+    """The lines of one variable of one dataset; their labels have its words if it is `named`.
+
+    `sorts` are those of the crossings of all datasets.
+    """
     dataset = layer.dataset
     axis = points.abscissa(dataset, settings)
     array = numbers(dataset[name])
@@ -259,7 +269,7 @@ def _curves(layer: points.Layer, name: str, named: bool, settings: points.Settin
         )
     x, words = points.positions(axis), labels.axis_label(dataset[name]) if named else ""
     if "crossing" in array.dims and _sorting(dataset):
-        return _by_sort(layer, array, words, x, dim)
+        return _by_sort(layer, array, words, x, dim, sorts)
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
@@ -308,17 +318,26 @@ def _across(layer: points.Layer, name: str, x: np.ndarray) -> list[_Curve]:
 
 
 def _by_sort(
-    layer: points.Layer, array: xr.DataArray, words: str, x: np.ndarray, dim: str
+    layer: points.Layer,
+    array: xr.DataArray,
+    words: str,
+    x: np.ndarray,
+    dim: str,
+    every: Sequence[str],
 ) -> list[_Curve]:
-    """Lines of crossings of one sort: a colour for each or, where colours tell lines, a dash."""
+    """Lines of crossings of one sort: a colour for each or, where colours tell lines, a dash.
+
+    Each of `every` sort looks the same in all datasets of a figure.
+    """
     dataset = layer.dataset
     sorts, errors, modes = _sorts(dataset), _errors(dataset, array), _modes(dataset, array)
     along = [str(d) for d in array.dims if d != "crossing"]
     curves = []
     for line in points.lines(dataset, [dim], along):
         label = points.joined(words, layer.label, line.label)
-        for number, (sort, mask) in enumerate(sorts.items() if len(sorts) > 1 else [("", True)]):
-            dash = style.dash(number, len(sorts))
+        for sort, mask in sorts.items() if len(every) > 1 else [("", True)]:
+            number = every.index(sort) if sort else 0
+            dash = style.dash(number, len(every))
             mark = dict(zip(("marker", "ms"), SORT_MARKS[number % len(SORT_MARKS)], strict=True))
             kept, error, mode = (
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values

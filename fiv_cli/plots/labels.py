@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -177,7 +178,7 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     r"""What to call each of several datasets in one figure: what they differ in, else their files.
 
     That is the law, or one or two fixed parameters: ``stribeck``; ``$c_1$ = $c_2$ = 3 N s/m``; or
-    those that others vary.
+    settings (``follow = up``), or those parameters that others vary.
     """
     datasets = [dataset for _, dataset in files]
     laws = [str(one.attrs.get("law", "")) for one in datasets]
@@ -189,6 +190,9 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     apart = len({*named}) == len(named) == (len(files) - sum(branches) or len(files))
     if apart:
         return found
+    asked = _differing_settings(datasets)
+    if len({*asked}) == len(files):
+        return asked
     fixed = [_fixed_of_axes(one, datasets) for one in datasets]
     alone = fixed.count("") == 1 < len(fixed)  # its own lines tell it from what is fixed
     return [
@@ -202,9 +206,26 @@ def _has_lines(dataset: xr.Dataset) -> bool:
     return sum(dataset.sizes[dim] > 1 for dim in dataset["status"].dims) > 1
 
 
+def _differing_settings(datasets: Sequence[xr.Dataset]) -> list[str]:
+    """In which settings of their analyses datasets differ, if these are few; "" for each if not."""
+    each = [
+        {
+            key: value
+            for one in json.loads(str(dataset.attrs.get("analyses_json", "{}"))).values()
+            for key, value in one["settings"].items()
+            if isinstance(value, str | float | int)
+        }
+        for dataset in datasets
+    ]
+    keys = [key for key in each[0] if len({one.get(key) for one in each}) > 1]
+    few = keys if len(keys) <= MOST_PARAMETERS else []
+    return [", ".join(f"{key} = {one.get(key)}" for key in few) for one in each]
+
+
 def _fixed_of_axes(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> str:
     """The parameters of one value here that others vary; "" of none."""
-    varied = {name for one in others for name, axis in one.coords.items() if axis.size > 1}
+    axes = [one.coords[name] for one in others for name in one["status"].coords]
+    varied = {axis.name for axis in axes if axis.size > 1}
     kept = [value for name, value in dataset.coords.items() if name in varied]
     alike: dict[tuple[object, float], list[xr.DataArray]] = {}
     for value in filter(_is_one_number, kept):

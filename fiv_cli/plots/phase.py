@@ -25,8 +25,9 @@ SEEN = 0.05  # share of the extent of a curve that is more than a dot in it
 OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": (0, (1, 1.5)), "lw": 2.0, "zorder": 3}
 
 HEAD: dict[str, Any] = {
-    "arrowstyle": "-|>", "mutation_scale": 10.0, "color": style.BLACK, "lw": 0.0,
-    "shrinkA": 0.0, "shrinkB": 0.0,
+    # twice as long as wide: of three equal sides none would tell which way it points
+    "arrowstyle": "-|>,head_length=0.8,head_width=0.2", "mutation_scale": 10.0,
+    "color": style.BLACK, "lw": 0.0, "shrinkA": 0.0, "shrinkB": 0.0,
 }  # fmt: skip
 # A head's length, and how far along a curve a place for it is looked for, as shares of its extent.
 ROOM, TURN, PLACES = 0.06, 4.0, 300

@@ -75,11 +75,14 @@ def _draw_along(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         paint(ax, x, frequency, plane, norm, settings)
         if GROWING in part:
             _mark_growing(ax, part[GROWING].transpose(spread[0], "mode"), x, settings)
-            ax.set_ylim(0.0, frequency[-1] * factor_of(settings))
         ax.set_title(panel.label)
         points.dress_axis(ax, axis, "x")
         ax.set_ylabel(frequency_label(settings) if number % columns == 0 else "")
         points.scale(ax, settings)
+        if "ylim" not in settings:
+            ax.set_ylim(
+                0.0 if ax.get_yscale() == "linear" else None, factor_of(settings) * frequency[-1]
+            )
     figure.colorbar(
         axes[0].collections[0], ax=axes, label=labels.axis_label(dataset[STEADY]), extend="min"
     )
