@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fiv_cli.notation.names import dotted_symbol
+from fiv_cli.reading.causes import settings_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -208,18 +208,10 @@ def _has_lines(dataset: xr.Dataset) -> bool:
 
 def _differing_settings(datasets: Sequence[xr.Dataset]) -> list[str]:
     """In which settings of their analyses datasets differ, if these are few; "" for each if not."""
-    each = [
-        {
-            key: value
-            for one in json.loads(str(dataset.attrs.get("analyses_json", "{}"))).values()
-            for key, value in one["settings"].items()
-            if isinstance(value, str | float | int)
-        }
-        for dataset in datasets
-    ]
-    keys = [key for key in each[0] if len({one.get(key) for one in each}) > 1]
+    each = [settings_of(dataset.attrs) for dataset in datasets]
+    keys = [key for key in each[0] if any(one.get(key) != each[0][key] for one in each)]
     few = keys if len(keys) <= MOST_PARAMETERS else []
-    return [", ".join(f"{key} = {one.get(key)}" for key in few) for one in each]
+    return [", ".join(f"{key.rpartition('.')[2]} = {one.get(key)}" for key in few) for one in each]
 
 
 def _fixed_of_axes(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> str:

@@ -384,9 +384,8 @@ def _paint_numbers(
         shown = np.where(plane < low, 0.5 * low, plane)  # a logarithm paints no zero
         image = planes.mesh(ax, shown, cmap=colours, norm=norm)
         hatch(ax, np.isnan(plane))
-    of_several = str(
-        planes.dataset.attrs.get("of_several", "")
-    )  # which contact, where one is shown
+    # which contact, where one of several is shown
+    of_several = str(planes.dataset.attrs.get("of_several", ""))
     figure.colorbar(
         image, ax=list(axes), label=points.joined(labels.axis_label(planes.array), of_several),
         extend="min" if below else None, ticks=counts if counted else None,

@@ -53,6 +53,12 @@ def causes(
     return [*told, *_of_texts(_texts(left), _texts(right))]
 
 
+def settings_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Dotted name of each setting of each analysis -> its value."""
+    told = _flat(_read(attributes, "analyses_json"))
+    return {name: value for name, value in told.items() if ".settings." in name}
+
+
 def _starts(attributes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Label of a start, or what ``--set`` says of one -> what the case says of it."""
     try:
