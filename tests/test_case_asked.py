@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -210,6 +211,8 @@ def test_what_will_be_there(text: str) -> None:
         (plane("level = 0.5"), "figure.0.level", "'attractor' holds classes"),
         (plane("level = { stable = 0.5 }"), "figure.0.level.stable", "have no level"),
         (plane("level = { growth = 0 }"), "figure.0.level.growth", "here it is 'growth_rate'"),
+        (plane('level = { growth_rate = "v" }'), "figure.0.level.growth_rate", "another case"),
+        (plane('level = { growth_rate = "" }'), "figure.0.level", "must be a number"),
         (plane("level = { damping_ratio = 0 }"), "figure.0.level.damping_ratio", "for each mode"),
         (
             plane('variable = "L_s"', "level = [1, 2, 3, 4, 5]"),
@@ -275,6 +278,17 @@ def test_a_case_whose_line_a_map_draws_is_read_where_it_lies(tmp_path: Path) -> 
     other.write_text(BELT)
     (told,) = not_run(load_case(this))
     assert told == f"a map draws a line of other, not run yet: fiv run {other}"
+    critical = 'kind = "critical"\nparameter = "mu_k"\nbracket = [0.0, 1.0]'
+    (tmp_path / "crossings.toml").write_text(BELT.replace('kind = "response"', critical))
+    for level, words in (
+        ('"v"', ""),
+        ('"vv"', "did you mean 'v'"),
+        ("0.5", "no one number at each point.*"),
+    ):
+        line = f'level = {{ "crossings:critical_value" = {level} }}'
+        this.write_text(plane('variable = "attractor"', line))
+        with pytest.raises(CaseError, match=words) if words else nullcontext():
+            load_case(this)
     for name, words in (
         ("growth", "no analysis of .*other.toml computes 'growth'"),
         ("stable", "'stable' has no one number"),

@@ -1523,6 +1523,53 @@ def test_a_map_has_lines_of_another_case_on_points_of_its_own(tmp_path, monkeypa
         draw(response, figure("map", variable="attractor", level={"starts:growth_rate": 0.0}))
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
+    tmp_path, monkeypatch, turned
+):
+    """As its case found it, on places of its own, each crossing; ranges are those of the map."""
+    monkeypatch.chdir(tmp_path)
+    speeds = np.linspace(0.0, 12.0, 40)
+    values = np.stack([4.0 * speeds, 90.0 - speeds], axis=1)
+    modes = np.tile([0, 1], (40, 1))
+    values[:5], modes[:5] = values[:5, ::-1], modes[:5, ::-1]  # whatever their numbers
+    crit = xr.Dataset(
+        {
+            "critical_value": (
+                ("Omega", "crossing"),
+                values,
+                {"long_name": "critical value of N0"},
+            ),
+            "crossing_mode": (("Omega", "crossing"), modes),
+            "status": data.statuses(("Omega",), np.full(40, "ok")),
+        },
+        coords={"Omega": ("Omega", speeds, {"units": "rad s-1"})},
+        attrs=with_growth()["response"].attrs,
+    )
+    (tmp_path / "runs").mkdir()
+    crit.to_netcdf("runs/crit.nc")
+    response = with_growth()["response"]
+    axes = {"x": "N0", "y": "Omega"} if turned else {"x": "Omega", "y": "N0"}
+    drawn = draw(response, figure("map", **axes, level={"crit:critical_value": "N0"}))
+    plain = draw(response, figure("map", **axes))
+    for ax, without in zip(drawn.axes, plain.axes, strict=True):
+        assert (ax.get_xlim(), ax.get_ylim()) == (without.get_xlim(), without.get_ylim())
+        rising = next(line for line in ax.lines if len(line.get_xdata()) == 40)
+        speed, value = np.array(rising.get_data())[:: -1 if turned else 1]
+        assert value == pytest.approx(4.0 * speed)
+    assert "critical value of $N_{0}$" in legend_texts(drawn)
+    low = crit.assign(critical_value=crit["critical_value"].copy(data=values - 500.0))
+    low.to_netcdf("runs/low.nc")
+    drawn = draw(response, figure("map", level={"low:critical_value": "N0"}))
+    assert "no line of the critical value of $N_{0}$: nowhere within" in drawn.get_suptitle()
+    with pytest.raises(UsageError, match="no axis of this map 'mu_k'"):
+        draw(response, figure("map", level={"crit:critical_value": "mu_k"}))
+    with pytest.raises(
+        UsageError, match="needs its values along N0 alone, and it varies along Omega"
+    ):
+        draw(response, figure("map", level={"crit:critical_value": "Omega"}))
+
+
 def test_what_is_taken_has_lines_of_what_it_is_not_taken_of():
     take = {"what": "share", "of": "periodic", "over": ["initial"]}
     wanted = figure("map", variable="attractor", take=take, level={"share": 0.5, "growth_rate": 0})
@@ -1717,7 +1764,7 @@ def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind,
     starts = json.dumps({"any": kind})
     dataset = data.basin(speeds=(1.0, 2.0, 9.0)).assign_attrs(starts_json=starts)
     printed = [line for line in summary_lines(summarise({"": dataset})) if "shares" in line]
-    assert len(printed) == told
+    assert len(printed) == 2 * told
     if told:
         rest, moving = re.findall(r" (?:equilibrium|periodic) ([^,;]*)", printed[0])
         assert rest.endswith(" (all of 200: at least 0.985 at 95%)")  # 0.985 ** 200 is 0.05
@@ -1728,6 +1775,11 @@ def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind,
         assert abs(one - np.pi / 36.0) < 3 * error and rest.endswith(" to 1")
         assert error == pytest.approx(np.sqrt(one * (1 - one) / 200), rel=0.05)
         assert moving == f"0 to {1 - one:.3f} ± {error:.3f}"  # in as many digits as it is known
+        every = summary_lines(summarise({"": dataset}))
+        _, head, *rows = every[every.index("  shares of any at each point:") :][:5]
+        assert head.split() == ["Omega", "equilibrium", "periodic"]
+        assert rows[0].split() == ["1", *rest.split(" to ")[0].split(), *moving.split()[2:]]
+        assert rows[2].split() == ["9", "1", "0"]
 
 
 def test_basins_need_starts_that_differ_in_two_states():

@@ -120,7 +120,10 @@ def _check_levels(
     axes = set()
     for name in [name for name in of if known and name != taken and ":" not in name]:
         place = (*at, name) if isinstance(said, dict) else at
-        if _check(name, known, place, report):
+        if isinstance(of[name], str):
+            message = f"the line where {of[name]} has the value of {name!r} needs another case"
+            report.add(place, message, '"CASE:VARIABLE" = "AXIS", found along the other axis')
+        elif _check(name, known, place, report):
             _check_line(name, known, figure, place, report)
             places = _places(case, held, None, name)
             axes |= {*places.own} if places else set()

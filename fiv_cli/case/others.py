@@ -27,20 +27,20 @@ def not_run(case: Case) -> Iterator[str]:
     for name in dict.fromkeys(filter(None, named)):
         if not output_of(name).exists():
             yield f"a claim compares with {name}, not run yet: fiv run {file_of(name, case.source)}"
-    for name in dict.fromkeys(other for _, other, _ in _lines_of_others(case)):
+    for name in dict.fromkeys(other for _, other, _, _ in _lines_of_others(case)):
         if not output_of(name).exists():
             file = file_of(name, case.source)
             yield f"a map draws a line of {name}, not run yet: fiv run {file}"
 
 
-def _lines_of_others(case: Case) -> Iterator[tuple[Place, str, str]]:
-    """(place, case, variable) of each line of another case that a map draws."""
+def _lines_of_others(case: Case) -> Iterator[tuple[Place, str, str, object]]:
+    """(place, case, variable, level) of each line of another case that a map draws."""
     for index, figure in enumerate(case.figures):
         level = figure.settings.get("level")
-        for name in level if isinstance(level, dict) else ():
+        for name, own in level.items() if isinstance(level, dict) else ():
             other, colon, variable = name.partition(":")
             if colon:
-                yield ("figure", index, "level", name), other, variable
+                yield ("figure", index, "level", name), other, variable, own
 
 
 def check_others(case: Case, report: Report) -> None:
@@ -52,11 +52,22 @@ def check_others(case: Case, report: Report) -> None:
             found = _found(other, variable, place, report) if other else None
             if found is not None:
                 check_number(found, claim, reference, place, report)
-    for at, name, variable in _lines_of_others(case):
+    for at, name, variable, level in _lines_of_others(case):
         line = _found(name, variable, at, report)
-        if line is not None and (line.kind == "flag" or line.ragged or line.dims):
+        if line is not None and _has_no_line(line, level):
             message = f"{variable!r} has no one number at each point, and no level there"
-            report.add(at, message, "the level of one, such as growth_rate")
+            report.add(
+                at,
+                message,
+                "the level of one, such as growth_rate; or of crossings, such as critical_value, "
+                "the axis along which they lie, in place of a number",
+            )
+
+
+def _has_no_line(variable: Variable, level: object) -> bool:
+    """Whether a variable has no level, or no values that an axis could have."""
+    dims = {*variable.dims} - ({"crossing"} if isinstance(level, str) else set())
+    return variable.kind == "flag" or bool(variable.ragged or dims)
 
 
 def _found(name: str, variable: str, place: Place, report: Report) -> Variable | None:

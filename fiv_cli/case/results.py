@@ -108,11 +108,22 @@ def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report
         message = f"a figure of kind {table.kind!r} has no {key} {name!r}"
         if name and name not in known:
             note_no_axis(name, message, (*place, key), known, answers.physics, report)
+    for name, axis in _axes_as_levels(table).items():
+        if axis not in answers.axis_names():
+            message = f"a line where {axis!r} has a value needs this axis, which the case has not"
+            at = (*place, "level", name)
+            note_no_axis(axis, message, at, [*answers.axis_names()], answers.physics, report)
     if table.kind == "map" and len(answers.axes) < 2:
         report.add(place, "a map needs a grid of two axes")
     if table.kind == "map" and table.overlay and table.level is None:
         message = "maps are overlaid as lines, and no level says which"
         report.add((*place, "overlay"), message, "level = NUMBER or [NUMBER, ...]")
+
+
+def _axes_as_levels(table: FigureTable) -> dict[str, str]:
+    """Variable -> the axis that stands in place of its level."""
+    level = table.level if isinstance(table.level, dict) else {}
+    return {name: axis_name(own) for name, own in level.items() if isinstance(own, str)}
 
 
 def _known_of_axes(kind: str, answers: Answers) -> dict[str, list[str]]:
@@ -134,6 +145,8 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
             changed[key] = ascii_name(value)
     if table.select:
         changed["select"] = _selection(table.select, answers, (*place, "select"), report)
+    if axes := _axes_as_levels(table):
+        changed["level"] = {**table.level, **axes}  # type: ignore[dict-item]
     if table.take is not None:
         changed["take"] = _take(table.take, answers, (*place, "take"), report)
     return changed

@@ -47,7 +47,13 @@ _NUMBERS: list[dict[str, Any]] = [
     {"type": "array", "items": {"type": "number"}, "minItems": 1},
 ]
 LEVELS_SCHEMA = {
-    "anyOf": [*_NUMBERS, {"type": "object", "additionalProperties": {"anyOf": _NUMBERS}}]
+    "anyOf": [
+        *_NUMBERS,
+        {
+            "type": "object",
+            "additionalProperties": {"anyOf": [*_NUMBERS, {"type": "string", "minLength": 1}]},
+        },
+    ]
 }
 
 
@@ -63,15 +69,20 @@ def _check_law(value: object) -> object:
     return value
 
 
-def check_levels(value: object) -> list[float] | dict[str, list[float]]:
+def check_levels(value: object) -> list[float] | dict[str, list[float] | str]:
     """One number, or a list of numbers, as a list, or such a list for each variable of a table.
+
+    There the name of an axis may stand in its place.
 
     Raises
     ------
     ValueError : anything else
     """
     if isinstance(value, dict):
-        return {name: _check_numbers(one) for name, one in value.items()}
+        return {
+            name: one if one and isinstance(one, str) else _check_numbers(one)
+            for name, one in value.items()
+        }
     return _check_numbers(value)
 
 
@@ -407,7 +418,8 @@ class FigureTable(Table):
     level: Levels | None = Field(
         default=None,
         description="map: a line where its numbers have this value, or each of these; of any "
-        'variables over its axes { growth_rate = 0, L_s = [1e-4, 1e-3], "CASE:growth_rate" = 0 }',
+        'variables over its axes { growth_rate = 0, L_s = [1e-4, 1e-3], "CASE:growth_rate" = 0 }; '
+        'where an axis has the value found over the other { "CASE:critical_value" = "mu_k" }',
     )
     contact: Contacts | None = Field(
         default=None,

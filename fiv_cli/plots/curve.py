@@ -330,7 +330,7 @@ def _by_sort(
     Each of `every` sort looks the same in all datasets of a figure.
     """
     dataset = layer.dataset
-    sorts, errors, modes = _sorts(dataset), _errors(dataset, array), _modes(dataset, array)
+    sorts, errors, modes = _sorts(dataset), _errors(dataset, array), modes_of(dataset, array)
     along = [str(d) for d in array.dims if d != "crossing"]
     curves = []
     for line in points.lines(dataset, [dim], along):
@@ -343,7 +343,7 @@ def _by_sort(
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values
                 for part in (array, errors, modes)
             )
-            for places in _joined(x, kept, mode):
+            for places in joined(x, kept, mode):
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), error[at])
@@ -363,7 +363,7 @@ Place = tuple[int, int]
 """Numbers of a point and of a crossing there."""
 
 
-def _joined(x: np.ndarray, values: np.ndarray, modes: np.ndarray) -> list[list[Place]]:
+def joined(x: np.ndarray, values: np.ndarray, modes: np.ndarray) -> list[list[Place]]:
     """Lines through crossings, shape (points, crossings), as places along them.
 
     Crossings of neighbours are joined as far as it can be told that they belong together.
@@ -436,7 +436,7 @@ def _followed(
     return [line[begin:end] for begin, end in pairwise(cuts)]
 
 
-def _modes(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
+def modes_of(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
     """The mode of each crossing; one and the same where that means nothing."""
     return dataset["crossing_mode"] if "crossing_mode" in dataset else array * 0.0
 

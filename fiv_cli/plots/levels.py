@@ -18,6 +18,7 @@ from matplotlib.patheffects import withStroke
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
+from fiv_cli.reading import select
 from fiv_cli.reading.datasets import ends_of, flag_names
 
 if TYPE_CHECKING:
@@ -31,16 +32,21 @@ HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
 
-def asked(mapped: str, said: Any) -> dict[str, list[float]]:
+def asked(mapped: str, said: Any) -> dict[str, list[float] | str]:
     """Variable -> its levels from low to high, of what stands at `level` in a map of `mapped`.
+
+    The name of an axis is kept: the line lies where that has the value of the variable.
 
     Raises
     ------
     UsageError : more than can be told apart
     """
     of = said if isinstance(said, Mapping) else {mapped: said}
-    levels = {name: sorted(float(one) for one in np.atleast_1d(own)) for name, own in of.items()}
-    count = sum(map(len, levels.values()))
+    levels = {
+        name: own if isinstance(own, str) else sorted(float(one) for one in np.atleast_1d(own))
+        for name, own in of.items()
+    }
+    count = sum(1 if isinstance(own, str) else len(own) for own in levels.values())
     if count > MOST_LINES:
         raise UsageError(f"{count} levels in one figure are too many\nask for {MOST_LINES}")
     return levels
@@ -53,6 +59,14 @@ def refuse_class(array: xr.DataArray) -> None:
             f"{array.name}: classes have no level\n"
             "draw the level of a number: level = { VARIABLE = NUMBER }"
         )
+
+
+def same_along(dataset: xr.Dataset, other: xr.Dataset, dim: str) -> bool:
+    """Whether two datasets, maybe of different cases, have the same values along `dim`."""
+    if dim not in dataset.dims:
+        return False
+    one, two = (select.axis_of(of, dim).values for of in (dataset, other))
+    return np.array_equal(one, two)
 
 
 def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:

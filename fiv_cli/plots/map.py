@@ -14,7 +14,9 @@ from matplotlib.patches import Patch
 
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.notation.names import pick
 from fiv_cli.plots import labels, levels, points, style
+from fiv_cli.plots.critical_lines import CriticalLines
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     ends_of,
@@ -76,7 +78,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _paint_numbers(figure, axes, planes, keys, logarithmic="z" in str(settings.get("log")))
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
         for one in lines:
-            one.draw(ax, panel, colour, named=one.planes is planes)
+            one.draw(ax, panel, colour)
         _dress(ax, number, columns, planes)
         points.scale(ax, settings)
     return figure
@@ -124,11 +126,15 @@ class _Planes:
 
 @dataclass(frozen=True)
 class _Lines:
-    """The lines at which one variable has its `levels`, each in a style of its own."""
+    """The lines at which one variable has its `levels`, each in a style of its own.
+
+    Numbers written on them tell the levels of what is painted, if they are `of_the_map`.
+    """
 
     planes: _Planes
     levels: Sequence[float]
     styles: Sequence[Any]
+    of_the_map: bool
 
     @property
     def ends(self) -> list[list[np.ndarray]]:
@@ -144,23 +150,54 @@ class _Lines:
         """Entries of a legend."""
         return levels.keys(self.planes.array, self.levels, colour, self.ends, self.styles)
 
-    def draw(self, ax: Axes, panel: points.Line, colour: ColorType, *, named: bool) -> None:
-        """Draw those of one panel; a number written on them tells the levels of what is painted."""
+    def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> None:
+        """Draw those of one panel."""
         array, places, ends = self.planes.array, self.planes.places, self.planes.ends(panel)
-        look: dict[str, Any] = {"named": named, "styles": self.styles}
+        look: dict[str, Any] = {"named": self.of_the_map, "styles": self.styles}
         levels.draw(ax, array, places, ends, self.levels, colour, **look)
 
 
-def _lines(layer: points.Layer, planes: _Planes, settings: points.Settings) -> list[_Lines]:
+def _lines(
+    layer: points.Layer, planes: _Planes, settings: points.Settings
+) -> list[_Lines | CriticalLines]:
     """What lines a figure asks for: of the variable that it maps, and of others over its axes."""
     wanted = levels.asked(str(planes.array.name), settings.get("level", []))
-    styles, found = iter(levels.STYLES), []
+    styles = iter(levels.STYLES)
+    found: list[_Lines | CriticalLines] = []
     for name, own in wanted.items():
-        if own:
+        if isinstance(own, str):
+            found.append(_critical(_holding(layer, name), planes, name, own, next(styles)))
+        elif own:
             over = planes if name == planes.array.name else _beside(layer, planes, name)
             levels.refuse_class(over.array)
-            found.append(_Lines(over, own, [*islice(styles, len(own))]))
+            found.append(_Lines(over, own, [*islice(styles, len(own))], over is planes))
     return found
+
+
+def _critical(
+    dataset: xr.Dataset, planes: _Planes, name: str, upright: str, dashes: Any
+) -> CriticalLines:
+    """The lines where an axis of a map has the value of a variable."""
+    axes = {str(axis.name): axis for axis in planes.axes}
+    pick(upright, axes, "axis of this map", "name its x or its y")
+    return CriticalLines(planes.dataset, planes.axes, planes.panels, dataset, name, upright, dashes)
+
+
+def _holding(layer: points.Layer, name: str) -> xr.Dataset:
+    """The dataset of the case, or of what another lends it, that has a variable.
+
+    Raises
+    ------
+    UsageError : there is none
+    """
+    holding = (one for one in (layer.dataset, *layer.beside) if name in one)
+    dataset = next(holding, None)
+    if dataset is None:
+        raise UsageError(
+            f"{name}: no variable of this dataset, whose level could be drawn\n"
+            "next: `fiv show FILE.nc` says what it holds"
+        )
+    return dataset
 
 
 def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
@@ -170,15 +207,14 @@ def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
     ------
     UsageError : there is none, or not one value of it at each place of a panel
     """
-    holding = (one for one in (layer.dataset, *layer.beside) if name in one)
-    dataset = next(holding, None)
-    if dataset is None:
-        raise UsageError(
-            f"{name}: no variable of this dataset, whose level could be drawn\n"
-            "next: `fiv show FILE.nc` says what it holds"
-        )
+    dataset = _holding(layer, name)
     dims = dataset[name].dims
-    panels = {dim for panel in planes.panels for dim in panel.index if _same(dataset, planes, dim)}
+    panels = {
+        dim
+        for panel in planes.panels
+        for dim in panel.index
+        if levels.same_along(dataset, planes.dataset, dim)
+    }
     lacking = {*planes.dims} - {*dims}
     if lacking:
         raise UsageError(f"{name}: its level is no line, it has no value for each {min(lacking)}")
@@ -194,14 +230,6 @@ def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
     return _Planes(single, single[name], (x, y), planes.panels)
 
 
-def _same(dataset: xr.Dataset, planes: _Planes, dim: str) -> bool:
-    """Whether a dataset, which may be of another case, has the values of a map along `dim`."""
-    if dim not in dataset.dims:
-        return False
-    one, other = (select.axis_of(of, dim).values for of in (dataset, planes.dataset))
-    return np.array_equal(one, other)
-
-
 def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:
     x, y = _axes(dataset, settings)
     array = dataset[_variable(dataset, settings)]
@@ -212,16 +240,19 @@ def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:
     return _Planes(dataset, array, (x, y), panels)
 
 
-def _overlaid(planes: _Planes, lines: Sequence[_Lines], settings: points.Settings) -> Figure:
+def _overlaid(
+    planes: _Planes, lines: Sequence[_Lines | CriticalLines], settings: points.Settings
+) -> Figure:
     """The lines at the levels, of every start and each value of the other axes, in one panel."""
-    if any(one.planes is not planes for one in lines):
+    own = [one for one in lines if isinstance(one, _Lines) and one.of_the_map]
+    if len(own) < len(lines):
         raise UsageError(
             "overlay shows the lines of the variable that is mapped, alone\n"
             "next: level = NUMBER, or leave overlay out"
         )
     figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
     ends = [(panel.label, planes.ends(panel)) for panel in planes.panels]
-    wanted = [level for one in lines for level in one.levels]
+    wanted = [level for one in own for level in one.levels]
     levels.overlay(ax, planes.array, ends, planes.places, wanted)
     for axis, which in zip(planes.axes, "xy", strict=True):
         points.dress_axis(ax, axis, which)

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
     """The variables called ``CASE:VARIABLE``, each in a dataset, under that name.
 
+    Of crossings it holds the modes, too, which tell what belongs together.
+
     Raises
     ------
     UsageError : a case has not been run, or its dataset has no such variable
@@ -29,4 +31,5 @@ def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
         dataset = next(holding, None)
         if dataset is None:
             raise UsageError(f"{name}: no variable of {path}\nnext: fiv show {path}")
-        yield dataset[["status", variable]].rename_vars({variable: name})
+        kept = ["status", variable, *{"crossing_mode"} & {*dataset} - {variable}]
+        yield dataset[kept].rename_vars({variable: name})

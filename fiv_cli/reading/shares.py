@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
+from fiv_cli.notation.tables import plain_table
 from fiv_cli.reading.datasets import flag_names, is_class
 
 if TYPE_CHECKING:
     import xarray as xr
 
 ERROR = "standard_error"
+MOST_POINTS = 24  # at which shares are told one by one
 SURE = 0.05  # chance with which what all of a sample, or none, show is told wrongly
 Share = tuple[float, float, int]
 """A share of n starts drawn at random, its standard error, sqrt(p (1 - p) / n), and n."""
@@ -23,15 +25,43 @@ Share = tuple[float, float, int]
 
 def shares(dataset: xr.Dataset) -> dict[str, Any]:
     """Label of random starts -> class -> its ``least`` and ``greatest`` `Share` over the grid."""
+    return {
+        label: {name: _ends(each) for name, each in _of_classes(reached).items()}
+        for label, reached in _families(dataset).items()
+    }
+
+
+def at_each_point(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
+    """Label of random starts -> name -> value of the axes and, of each class, its `Share`.
+
+    Of a few points: there is a row for each.
+    """
+    rows = {}
+    for label, reached in _families(dataset).items():
+        points = reached.isel(initial=0, drop=True)
+        if 1 < points.size <= MOST_POINTS:
+            axes = {str(n): axis for n, axis in points.coords.items() if axis.size > 1}
+            columns = {n: _spread(axis, points) for n, axis in axes.items()}
+            columns |= _of_classes(reached)
+            rows[label] = [
+                dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
+            ]
+    return rows
+
+
+def _spread(axis: xr.DataArray, points: xr.DataArray) -> list[Any]:
+    """The value of an axis at each point."""
+    return list(axis.broadcast_like(points).transpose(*points.dims).values.ravel().tolist())
+
+
+def _families(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Label of random starts -> the classes that they reach, ``initial`` last."""
     if "attractor" not in dataset or "initial" not in dataset.coords:
         return {}
     families = [str(label).rpartition("-")[0] for label in dataset["initial"].values]
-    drawn = {label: np.flatnonzero([f == label for f in families]) for label in drawn_of(dataset)}
-    return {
-        label: _of_classes(dataset["attractor"].isel(initial=members))
-        for label, members in drawn.items()
-        if members.size
-    }
+    members = {label: np.flatnonzero([f == label for f in families]) for label in drawn_of(dataset)}
+    reached = dataset["attractor"].transpose(..., "initial")
+    return {label: reached.isel(initial=own) for label, own in members.items() if own.size}
 
 
 def with_standard_error(
@@ -68,19 +98,23 @@ def is_sample(dataset: xr.Dataset, drawn: Container[str]) -> bool:
     return all(str(label).rpartition("-")[0] in drawn for label in dataset["initial"].values)
 
 
-def _of_classes(reached: xr.DataArray) -> dict[str, dict[str, Share]]:
+def _of_classes(reached: xr.DataArray) -> dict[str, list[Share]]:
+    """Class that occurs -> its share at each point of the grid."""
     count = (~is_class(reached, (NOT_COMPUTED,))).sum("initial")
     found = {}
     for code, name in flag_names(reached.attrs).items():
         share = ((reached == code).sum("initial") / count.where(count > 0)).values.ravel()
         if name != NOT_COMPUTED and np.nanmax(share, initial=0.0) > 0.0:
             sizes = count.values.ravel()
-            error = standard_error(share, sizes)
-            ends = {"least": np.nanargmin(share), "greatest": np.nanargmax(share)}
-            found[name] = {
-                end: (float(share[i]), float(error[i]), int(sizes[i])) for end, i in ends.items()
-            }
+            columns = (share, standard_error(share, sizes), sizes)
+            found[name] = [*zip(*(column.tolist() for column in columns), strict=True)]
     return found
+
+
+def _ends(each: Sequence[Share]) -> dict[str, Share]:
+    """The least and the greatest of some, of which one at least is known."""
+    known = sorted(share for share in each if share[-1] > 0)
+    return {"least": known[0], "greatest": known[-1]}
 
 
 def lines(told: Mapping[str, Mapping[str, Mapping[str, Share]]]) -> list[str]:
@@ -94,6 +128,22 @@ def lines(told: Mapping[str, Mapping[str, Mapping[str, Share]]]) -> list[str]:
         f"  {f'shares of {label}':<22} {span}" + "; ± standard error" * ("±" in span)
         for label, span in spans.items()
     ]
+
+
+def lines_of_points(told: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
+    """The same of each point, a table for each label."""
+    lines = []
+    for label, rows in told.items():
+        cells = [[_cell(value) for value in row.values()] for row in rows]
+        lines += [f"  shares of {label} at each point:"]
+        lines += [f"    {line}" for line in plain_table([*rows[0]], cells)]
+    return lines
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, tuple):
+        return with_error(*value[:2]) if value[1] > 0.0 else f"{value[0]:g}"
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _span(least: Share, greatest: Share) -> str:

@@ -79,6 +79,7 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
             for flag in [*variables_in(dataset, Role.STATUS, Role.CLASS), *_detailed(dataset)]
         },
         "shares": shares.shares(dataset),
+        "shares_at_each_point": shares.at_each_point(dataset),
         "over_starts": over_starts.differing(dataset),
         "advice": _advice(dataset, told.get("kind", "")),
         "ranges": _ranges(dataset),
@@ -270,6 +271,7 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *(f"  {axis:<22} {_axis_line(facts)}" for axis, facts in part["axes"].items()),
         *_count_lines(part),
         *shares.lines(part["shares"]),
+        *shares.lines_of_points(part["shares_at_each_point"]),
         *over_starts.lines(part["over_starts"]),
         *_range_lines(part["ranges"], _at_edges(part["counts"])),
         *([_impact_line(part["into_impacts"])] if "into_impacts" in part else []),

@@ -1,0 +1,107 @@
+"""Lines of a map where one axis has the value that another case found along the other.
+
+The critical value of mu_k over Omega, say, on a map over Omega and mu_k: to rounding, not to half a
+step of the map as the line at which a growth rate is zero between its points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from fiv_cli.errors import UsageError
+from fiv_cli.notation.names import listed
+from fiv_cli.plots import curve, labels, levels, points
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.typing import ColorType
+
+Piece = tuple[np.ndarray, np.ndarray]
+"""Places of a line along both axes."""
+
+
+@dataclass(frozen=True)
+class CriticalLines:
+    """A variable along one axis of the `mapped`, whose values lie `upright`, along the other."""
+
+    mapped: xr.Dataset
+    axes: tuple[xr.DataArray, xr.DataArray]
+    panels: Sequence[points.Line]
+    dataset: xr.Dataset
+    name: str
+    upright: str
+    style: Any
+
+    @property
+    def missed(self) -> list[str]:
+        """That there is no line, where no value lies within the map."""
+        inside = any(self._pieces(panel) for panel in self.panels)
+        return [] if inside else [f"no line of the {self._words}: nowhere within the map"]
+
+    def keys(self, colour: ColorType) -> list[Line2D]:
+        """Its entry of a legend."""
+        entry = Line2D([], [], color=colour, ls=self.style, label=self._words)
+        return [] if self.missed else [entry]
+
+    def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> None:
+        """Draw the lines of one panel, whose ranges stay as they are."""
+        ranges = {"xlim": ax.get_xlim(), "ylim": ax.get_ylim()}
+        for x, y in self._pieces(panel):
+            label = points.unlisted(self._words)
+            ax.plot(x, y, color=colour, ls=self.style, lw=1.5, label=label)
+        ax.set(**ranges)
+
+    @property
+    def _words(self) -> str:
+        return labels.with_symbols(str(self.dataset[self.name].attrs["long_name"]))
+
+    def _pieces(self, panel: points.Line) -> list[Piece]:
+        """The lines that have a part within a panel."""
+        ends = [(own.min(), own.max()) for own in map(points.positions, self.axes)]
+        return [piece for piece in self._lines(panel) if _is_inside(piece, ends)]
+
+    def _lines(self, panel: points.Line) -> list[Piece]:
+        """Crossings of neighbours joined, as far as they belong together."""
+        turned = self.upright == self.axes[0].name
+        along = self.axes[1 if turned else 0]
+        array, x = self._array(along), points.positions(self.dataset[along.name])
+        own = {dim: at for dim, at in panel.index.items() if dim in array.dims}
+        values, modes = (
+            one.isel(own).transpose(along.dims[0], ...).values.reshape(x.size, -1)
+            for one in (array, curve.modes_of(self.dataset, array))
+        )
+        places = [tuple(np.array(line).T) for line in curve.joined(x, values, modes)]
+        lines = [(x[at[0]], values[at]) for at in places]
+        return [(y, x) for x, y in lines] if turned else lines
+
+    def _array(self, along: xr.DataArray) -> xr.DataArray:
+        """The values, along one axis and those of the panels alone.
+
+        Raises
+        ------
+        UsageError : there are others at each place, or none along that axis
+        """
+        array, dim = self.dataset[self.name], along.dims[0]
+        panels = {dim for panel in self.panels for dim in panel.index}
+        kept = {one for one in panels if levels.same_along(self.dataset, self.mapped, one)}
+        further = [str(one) for one in array.dims if one not in {dim, "crossing", *kept}]
+        single = array.squeeze([one for one in further if array.sizes[one] == 1], drop=True)
+        if dim not in array.dims or any(one in single.dims for one in further):
+            raise UsageError(
+                f"{self.name}: a line of it on this map needs its values along {along.name} alone, "
+                f"and it varies along {listed(sorted(map(str, array.dims)))}\n"
+                "next: choose from further ones with `select` in the figure, or give its case the "
+                "axis that it lacks"
+            )
+        return single
+
+
+def _is_inside(piece: Piece, ends: Sequence[tuple[float, float]]) -> bool:
+    inside = [(own >= low) & (own <= high) for own, (low, high) in zip(piece, ends, strict=True)]
+    return bool(np.logical_and(*inside).any())
