@@ -165,7 +165,8 @@ REASONS: tuple[Reason, ...] = (
         "no_cycle",
         "Newton's method found no periodic motion near what the start leads to, at the case's own "
         "value of the parameter that is followed: where it comes to rest "
-        "move that value, or the start; else start nearer to it, or give its multiplicity",
+        "move that value, or the start; else start nearer to it (to an unstable one with a t_max "
+        "of a few of its periods), or give its multiplicity",
     ),
     Reason(
         "outside_bracket",

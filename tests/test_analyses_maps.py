@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from fiv_cli.analyses.attractor.chaos import FEWEST, regularity
+from fiv_cli.analyses.attractor.chaos import FEWEST, regularity, regularity_in_bands
 from fiv_cli.analyses.attractor.settling import (
     LONGEST,
     SETTLED,
@@ -254,6 +254,17 @@ def test_the_test_is_that_of_its_definition(name: str, count: int) -> None:
     bounds = np.quantile(found, np.linspace(0.05, 0.95, 18))
     told = [regularity(values, (bound,)) > bound for bound in bounds]
     assert told == (np.median(found) > bounds).tolist()
+
+
+@pytest.mark.parametrize("bands", [2, 3, 7, 20])
+def test_chaos_in_bands_that_are_visited_in_turn(bands: int) -> None:
+    """Behind the steps from band to band it is not seen; a torus in bands stays one."""
+    steps = 1e3 * np.cos(2.4 * (np.arange(1500) % bands))
+    for name, values in SEQUENCES.items():
+        assert regularity(steps + values) < 0.3
+        within = regularity_in_bands(steps + values)
+        assert within > 0.9 if "chaotic" in name else within < 0.3
+    assert regularity_in_bands(steps) < 0.3
 
 
 def test_too_few_or_constant_values_say_nothing() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from fiv_cli.case.identity import (
     digest,
     document,
     fingerprint,
+    is_of,
 )
 from fiv_cli.case.load import parse_case
 
@@ -79,6 +81,21 @@ class TestFingerprint:
         fewer = parse(text=TEXT.removesuffix('[[analysis]]\nkind = "equilibrium"\n'))
         (told,) = differences(document(case), fewer)
         assert told == "analyses.equilibrium: stored, now absent"
+
+    def test_a_chain_of_starts_may_be_added_like_any_other(self) -> None:
+        """That it is followed in steps is nothing of the others."""
+        chain = 'kind = "continue", along = "v", direction = "up", from = "near"'
+        longer = parse(text=TEXT + "[[initial]]\nlabel = 'up'\n" + chain.replace(", ", "\n"))
+        assert differences(document(parse()), longer) == []
+        attributes = {"fingerprint": fingerprint(parse())} | {
+            name: json.dumps(dict.fromkeys(labels))
+            for name, labels in (
+                ("analyses_json", [one.name for one in longer.analyses]),
+                ("starts_json", [one.label for one in parse().starts]),
+            )
+        }
+        assert is_of(attributes, longer)
+        assert document(longer)["numerics"].keys() - document(parse())["numerics"].keys()
 
     def test_starts_do_not_count_where_there_are_none(self) -> None:
         changed = parse("initial.near.offset.x=1e-3")

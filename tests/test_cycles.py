@@ -571,6 +571,19 @@ def test_a_motion_that_changes_smoothly_does_not_jump() -> None:
         assert not _jumps(line, here, there)
 
 
+@pytest.mark.parametrize("away", [1e-3, 1e-2])
+def test_an_unstable_cycle_that_a_start_comes_by_is_found_however_long_one_waits(
+    away: float,
+) -> None:
+    """From beside it the motion comes to rest, or to the stable one, within a few periods."""
+    exact = cycle(law="stribeck", start={"x": 3.55}, section=TURNING, t_max=14.0, c=0.65).values
+    assert exact["stable"] == "unstable"
+    begin = {"x": float(exact["x_max"]) - away}
+    beside = cycle(law="stribeck", start=begin, section=TURNING, t_max=500.0, c=0.65).values
+    assert beside["cycle_period"] == pytest.approx(exact["cycle_period"], rel=1e-10)
+    assert beside["stable"] == "unstable"
+
+
 # --- what cannot be found ------------------------------------------------------------------------
 @pytest.mark.parametrize(
     ("changes", "reason"),

@@ -53,7 +53,7 @@ def document(
         "starts": {start.label: _start(start) for start in told},
         "analyses": {spec.name: replace(spec, settings=spec.told) for spec in analyses},
         "solver": case.solver,
-        "numerics": _numerics(case, analyses),
+        "numerics": _numerics(case, analyses, told),
     }
     own = _deciding_texts(case)
     if own:
@@ -164,18 +164,20 @@ def _deciding_texts(case: Case) -> dict[str, str]:
     return {name: case.own[name].digest for name in deciding if name in case.own}
 
 
-def _numerics(case: Case, analyses: Sequence[AnalysisSpec]) -> dict[str, int]:
-    """The numerics versions that these analyses of the case depend on."""
+def _numerics(
+    case: Case, analyses: Sequence[AnalysisSpec], starts: Sequence[StartSpec]
+) -> dict[str, int]:
+    """The numerics versions that these analyses of the case, from these starts, depend on."""
     laws = () if _law_varies(case) else (case.law,)
     own = {"engine": NUMERICS_VERSION, "model": get_model(case.model).numerics_version}
-    if any(_follows(case, spec) for spec in analyses):
+    if any(_follows(spec, starts) for spec in analyses):
         own["following"] = FOLLOWING_VERSION
     return own | {law: get_law(law).numerics_version for law in laws}
 
 
-def _follows(case: Case, spec: AnalysisSpec) -> bool:
+def _follows(spec: AnalysisSpec, starts: Sequence[StartSpec]) -> bool:
     """Whether an analysis follows a class in steps, along its bracket or along the grid."""
-    chains = any(one.kind == "continue" for one in case.starts)
+    chains = any(one.kind == "continue" for one in starts)
     along_grid = chains and get_analysis(spec.kind).uses_starts
     return along_grid or spec.settings.get("follow", "none") != "none"
 

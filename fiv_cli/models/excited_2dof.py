@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 PARAMETERS = (
     Parameter("m", "m", "kg", 1.0, "mass", "5.1", 0.0, exclusive=True),
     Parameter(
-        "k1", "k_1", "N m-1", 1.0, "stiffness of the spring at alpha1", "5.2", 0.0, exclusive=True
+        "k1", "k_1", "N m-1", 1.0, "stiffness of the first spring", "5.2", 0.0, exclusive=True
     ),
-    Parameter("k2", "k_2", "N m-1", 0.5, "stiffness of the spring at alpha2", "5.2", 0.0),
+    Parameter("k2", "k_2", "N m-1", 0.5, "stiffness of the second spring", "5.2", 0.0),
     Parameter("k3", "k_3", "N m-1", 0.5, "contact stiffness", "5.4", 0.0, exclusive=True),
-    Parameter("alpha1", r"\alpha_1", "rad", pi / 6, "inclination of spring k1", "5.2"),
-    Parameter("alpha2", r"\alpha_2", "rad", pi / 4, "inclination of spring k2", "5.2"),
+    Parameter("alpha1", r"\alpha_1", "rad", pi / 6, "inclination of the first spring", "5.2"),
+    Parameter("alpha2", r"\alpha_2", "rad", pi / 4, "inclination of the second spring", "5.2"),
     Parameter("c1", "c_1", "N s m-1", 1e-3, "damping coefficient along spring k1", "5.2", 0.0),
     Parameter("c2", "c_2", "N s m-1", 1e-3, "damping coefficient along spring k2", "5.2", 0.0),
     Parameter("F", "F", "N", 2.0, "preload", "5.1", 0.0, role="preload"),

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 PARAMETERS = (
     Parameter("m", "m", "kg", 1.0, "mass", "3.22", 0.0, exclusive=True),
-    Parameter("k1", "k_1", "N m-1", 1.0, "stiffness of the spring at alpha1", "3.23", 0.0),
-    Parameter("k2", "k_2", "N m-1", 1.0, "stiffness of the spring at alpha2", "3.23", 0.0),
+    Parameter("k1", "k_1", "N m-1", 1.0, "stiffness of the first spring", "3.23", 0.0),
+    Parameter("k2", "k_2", "N m-1", 1.0, "stiffness of the second spring", "3.23", 0.0),
     Parameter("k3", "k_3", "N m-1", 2.0, "contact stiffness", "3.24", 0.0, exclusive=True),
-    Parameter("alpha1", r"\alpha_1", "rad", pi / 4, "inclination of spring k1", "3.23"),
-    Parameter("alpha2", r"\alpha_2", "rad", pi / 6, "inclination of spring k2", "3.23"),
+    Parameter("alpha1", r"\alpha_1", "rad", pi / 4, "inclination of the first spring", "3.23"),
+    Parameter("alpha2", r"\alpha_2", "rad", pi / 6, "inclination of the second spring", "3.23"),
     Parameter("c1", "c_1", "N s m-1", 0.0, "horizontal damping coefficient", "3.22", 0.0),
     Parameter("c2", "c_2", "N s m-1", 0.0, "vertical damping coefficient", "3.22", 0.0),
     Parameter("F", "F", "N", 1.0, "preload", "3.22", 0.0, role="preload"),

@@ -50,6 +50,7 @@ EDGE = 0.12  # of the width of a panel: no word that begins so near a side reach
 SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
 TIMES = "\N{MULTIPLICATION SIGN}"
 LEFTWARDS = "<"
+UNSEEN = 1e-4  # share of a branch, along and across, below which a piece of it is no line
 UNMET = "|"  # what the model asks of its parameters no longer holds
 
 
@@ -76,9 +77,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     points.refuse_empty(first, bool(named), ALONG)
     figure, (ax,) = style.new_panels(1, 1, points.title(first))
     entries = points.entries([name for name, _, _ in named])
-    for (_, dataset, index), entry in zip(named, entries, strict=True):
-        _branch(ax, dataset, index, entry)
-    _name_lines(ax, [dataset for _, dataset, _ in named])
+    words = {
+        word
+        for (_, dataset, index), entry in zip(named, entries, strict=True)
+        for word in _branch(ax, dataset, index, entry)
+    }
+    _name_lines(ax, words)
+    name_marks(ax, [dataset for _, dataset, _ in named])
     ax.set_xlabel(labels.axis_label(first[ALONG]))
     greatest = labels.axis_label(first[EXTREMES[1]])
     ax.set_ylabel(greatest.replace("greatest", "least and greatest"))
@@ -122,14 +127,18 @@ def _lie_on_each_other(ax: Axes, where: tuple[float, float], word: str, text: An
     return bool((np.abs(here - there) <= room).all())
 
 
-def _branch(ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry) -> None:
-    """One branch: both extremes, in pieces of one stability, and its marks."""
-    for word, value, extremes in stretches(dataset, index):
+def _branch(
+    ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry
+) -> set[str]:
+    """One branch: both extremes, in pieces of one stability, and its marks; their stabilities."""
+    pieces = [*stretches(dataset, index)]
+    for word, value, extremes in pieces:
         for height in extremes:
             dash, told = DASHES.get(word, "-"), points.unlisted(entry.label, word)
             ax.plot(value, height, dash, color=entry.colour, label=told)
     draw_marks(ax, dataset, index, entry.colour, entry.label)
     ax.plot([], [], color=entry.colour, label=entry.label, **style.COLOUR_ALONE)
+    return {word for word, _, _ in pieces}
 
 
 def draw_marks(
@@ -177,8 +186,8 @@ def stretches(
     stability changes: at what was bisected, between two cycles that pass as often.
     """
     row, ends = _rows(dataset, ALONG, index), _rows(dataset, "cycle_end", index)
-    stability = class_names(dataset["branch_stable"])[row]
     cycles = np.vstack(_heights(dataset, index, at_section))
+    stability = _seen(class_names(dataset["branch_stable"])[row], cycles)
     counts = np.isfinite(cycles).sum(axis=0)  # another one: no value goes on from one to the next
     differs = (stability[1:] != stability[:-1]) | (counts[1:] != counts[:-1])
     changes = (np.flatnonzero(differs) + 1).tolist()
@@ -190,6 +199,27 @@ def stretches(
         joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
         value, *extremes = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
         yield str(stability[begin]), value, extremes
+
+
+def _seen(stability: np.ndarray, cycles: np.ndarray) -> np.ndarray:
+    """The stability of points of a branch; of neutral ones too close to be seen their neighbour's.
+
+    Where a cycle shrinks to an equilibrium its multiplier comes as close to 1 as digits tell.
+    """
+    words, whole = stability.copy(), _extent(cycles)
+    begins = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1).tolist(), len(words)]
+    for begin, end in pairwise(begins):
+        beside = [*words[begin - 1 : begin], *words[end : end + 1]]
+        is_seen = (_extent(cycles[:, begin:end]) > UNSEEN * whole).any()
+        if words[begin] == "neutral" and beside and not is_seen:
+            words[begin:end] = beside[0]
+    return words
+
+
+def _extent(cycles: np.ndarray) -> np.ndarray:
+    """How far some cycles reach along the parameter, and in what is drawn of them."""
+    value, *heights = np.nan_to_num(cycles)
+    return np.array([np.ptp(value), max(map(np.ptp, heights), default=0.0)])
 
 
 def _heights(
@@ -284,13 +314,11 @@ def _nearest(value: np.ndarray, at: float, error: float, beside: np.ndarray) -> 
     return int(np.argmin(np.where(near, off, np.inf) if near.any() else off))
 
 
-def _name_lines(ax: Axes, datasets: Sequence[xr.Dataset]) -> None:
-    """Legend entries of the dashes and marks that are there."""
-    stabilities = {str(word) for d in datasets for word in class_names(d["branch_stable"])}
+def _name_lines(ax: Axes, stabilities: set[str]) -> None:
+    """Legend entries of the dashes that are there."""
     for word, dash in DASHES.items():
         if word in stabilities:
             ax.plot([], [], dash, color=style.BLACK, label=word)
-    name_marks(ax, datasets)
 
 
 def name_marks(ax: Axes, datasets: Sequence[xr.Dataset], look: Mapping[str, Any] = HOLLOW) -> None:

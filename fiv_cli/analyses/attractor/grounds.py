@@ -38,7 +38,8 @@ of few periods, a repetition that is down to rounding comes no closer.
 *Quasi-periodic, chaotic.* The set of section points is stationary: means and spreads of its halves
 differ by no more than `WANDERING` times what their partial sums explain, or `NEGLIGIBLE` of the
 spread of its kind (`section_drift`): of every state on a torus, of the observed one in chaos. And
-the Lyapunov exponent and the 0-1 test of the section agree. On a torus, moreover, neighbours
+the Lyapunov exponent and the 0-1 test of the section agree (where the exponent says chaos, that of
+what is left within bands visited in turn). On a torus, moreover, neighbours
 neither approach nor part: between the halves the logarithm of their distance changes by no more
 than `WANDERING` times what its partial sums explain, and that is no more than `STEADY`: a spiral
 that is taken for a torus would need fifty times the window to come in by a factor e.

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fiv_cli.analyses.attractor.chaos import regularity
+from fiv_cli.analyses.attractor.chaos import regularity, regularity_in_bands
 from fiv_cli.analyses.attractor.confirm import confirm
 from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import (
@@ -759,6 +759,9 @@ class _Response:
             regular = regularity(self._points[:, self.observed], bounds)
         if np.isnan(regular):
             return "undecided", "time_budget"
+        if exponent > self._growth_of_chaos() and regular <= CHAOTIC:
+            within = regularity_in_bands(self._points[:, self.observed], bounds)
+            regular = max(regular, within)
         outcome.values["zero_one"] = regular
         told, reason = self._by_two_tests(exponent, regular)
         points = self._map_points()
@@ -775,19 +778,34 @@ class _Response:
 
     def _by_two_tests(self, exponent: float, regular: float) -> tuple[str, str]:
         """What Lyapunov exponent and 0-1 test say together."""
-        count = self.watch.count
-        window = self._times[-1] - self._times[0]
-        uncertain, most = SIGNIFICANT * self.exponent_error, RESTING * max(count - 1, 1)
-        # On a torus neighbours drift apart in proportion to time, and never approach.
-        apart = GROWN + np.log(count)
-        threshold = max(uncertain, min(most, apart) / window)
+        uncertain, window = SIGNIFICANT * self.exponent_error, self._section_time
+        threshold = self._growth_of_chaos()
         if exponent > threshold and regular > CHAOTIC:
             return "chaotic", ""
-        if exponent < -max(uncertain, min(most, GROWN) / window):  # it settles
+        if exponent < -max(uncertain, min(self._resting_growth, GROWN) / window):  # it settles
             return "undecided", "time_budget"
-        if abs(exponent) > min(threshold, apart / window) or regular >= REGULAR:
+        if abs(exponent) > min(threshold, self._drift_of_torus / window) or regular >= REGULAR:
             return "undecided", "tests_disagree"
         return "quasiperiodic", ""
+
+    def _growth_of_chaos(self) -> float:
+        """Exponent above which neighbours part as they do on no torus, 1/s."""
+        least = min(self._resting_growth, self._drift_of_torus) / self._section_time
+        return max(SIGNIFICANT * self.exponent_error, least)
+
+    @property
+    def _section_time(self) -> float:
+        """From the first section point to the last, s."""
+        return float(self._times[-1] - self._times[0])
+
+    @property
+    def _resting_growth(self) -> float:
+        return RESTING * max(self.watch.count - 1, 1)
+
+    @property
+    def _drift_of_torus(self) -> float:
+        """On a torus neighbours drift apart in proportion to time, and never approach."""
+        return GROWN + float(np.log(self.watch.count))
 
     # --- what is handed on ------------------------------------------------------------------------
     def _carry(self, attractor: str) -> dict[str, object]:

@@ -3,6 +3,10 @@
 The motion from a start is followed and its section points are kept. Two points that lie close
 to each other, m returns apart, are a guess of a cycle of m points: the last ones where the
 motion settles, early ones where it passes an unstable cycle.
+
+A motion that comes by an unstable cycle and then settles is closest to itself where it settles.
+Where nothing comes of that, the first places are tried at which it came closer to itself than
+before and after.
 """
 
 from __future__ import annotations
@@ -28,6 +32,7 @@ from fiv_cli.dynamics.system import Vector
 KEPT = 1024  # section points looked at
 RETURNS = 8  # most returns per period looked for, unless the case says how many
 CLOSE = 1e-6  # near-returns closer than this share of the section set are equally good
+PASSAGES = 3  # by what a motion leaves again that are tried for each number of returns
 FULL_TURN = 0.1  # share of a period of the excitation by which a near-return may miss it
 
 Begin = Callable[[], Motion]
@@ -73,19 +78,28 @@ def near_returns(
 ) -> list[tuple[float, float]]:
     """Times of the two ends of near-returns, the most promising first.
 
-    For each number of returns the closest pair counts; fewer returns come first among equals.
+    For each number of returns the closest pair counts; fewer returns come first among equals. Then
+    come the first passages.
     """
     numbers = range(1, RETURNS + 1) if multiplicity is None else (multiplicity,)
-    ranked = []
+    closest, passages = [], []
     for m in numbers:
         if len(passed.times) <= m:
             continue
         spans = passed.times[m:] - passed.times[:-m]
         apart = np.where(_whole_turns(problem, spans), _distances(passed.points, m), np.inf)
-        best = int(np.argmin(apart))
+        pairs, best = [*zip(passed.times, passed.times[m:], strict=False)], int(np.argmin(apart))
         if np.isfinite(apart[best]):
-            ranked.append((max(apart[best], CLOSE) * m, passed.times[best], passed.times[best + m]))
-    return [(begun, ended) for _, begun, ended in sorted(ranked)]
+            closest.append((max(apart[best], CLOSE) * m, *pairs[best]))
+            passages += [pairs[at] for at in _passages(apart)]
+    return [(begun, ended) for _, begun, ended in sorted(closest)] + passages
+
+
+def _passages(apart: Vector) -> list[int]:
+    """Where a motion comes closer to itself than before and after: the first places."""
+    before, after = np.append(np.inf, apart[:-1]), np.append(apart[1:], 0.0)
+    met = np.isfinite(apart) & (apart <= before) & (apart < after)
+    return [int(at) for at in np.flatnonzero(met)[:PASSAGES]]
 
 
 def _distances(points: NDArray[np.float64], m: int) -> Vector:

@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from fiv_cli.codegen.codes import GAP
 from fiv_cli.codegen.reduction import Reduction, Statics
 from fiv_cli.codegen.statics import Loaded, generate_statics, load_reduction
-from fiv_cli.dynamics.arrays import BOUND
 from fiv_cli.dynamics.rows import call_rows
 from fiv_cli.dynamics.system import FieldOutput, System, Vector
 
@@ -425,7 +424,7 @@ def _solved_for(
     at = scalars[owners, places]
     starts = _inserted(points.system, polynomial, values[owners], arguments[owners], at)
     found: list[list[Vector]] = [[] for _ in roots]
-    solutions = _newton(points[owners], starts)
+    solutions = _polished(points[owners], starts, np.isin(at, roots.real[roots.imag == 0.0]))
     real = np.isfinite(solutions).all(axis=1)
     for owner, solution in zip(owners[real].tolist(), solutions[real], strict=True):
         if not found[owner] or _is_new(solution, found[owner]):
@@ -435,6 +434,22 @@ def _solved_for(
         _counted(points, polynomial, values, row, solutions, count)
         for row, (solutions, count) in enumerate(zip(found, missing.tolist(), strict=True))
     ]
+
+
+def _polished(points: Sliding, starts: Vector, real: NDArray[np.bool_]) -> Vector:
+    """The solutions nearby; NaN where there is none.
+
+    On the way to infinity, where the stiffness turns singular, Newton's steps are all rounding long
+    before the `real` roots are, which still solve the equations.
+    """
+    solutions = _newton(points, starts)
+    lost = ~np.isfinite(solutions).all(axis=1) & np.isfinite(starts).all(axis=1)
+    rows = np.flatnonzero(lost & real)
+    if len(rows) > 0:
+        at, given = points[rows], points[rows].field(starts[rows]).state.copy()
+        solve = (relative_residual(at, given) <= CONVERGED) & ~_is_singular(at, given)
+        solutions[rows[solve]] = given[solve]
+    return solutions
 
 
 def _counted(
@@ -454,10 +469,17 @@ def _counted(
 
 def _why_none(point: Sliding) -> str:
     """A singular stiffness without load, or nothing known."""
-    start = np.zeros((1, len(point.system.state_names)))
-    (stiffness,) = point.slopes(start, point.free)[:, point.free_rates]
-    singular = np.linalg.matrix_rank(stiffness) < len(point.free)
-    return "singular_equilibrium" if singular else "no_equilibrium"
+    unloaded = np.zeros((1, len(point.system.state_names)))
+    return "singular_equilibrium" if _is_singular(point, unloaded).all() else "no_equilibrium"
+
+
+def _is_singular(points: Sliding, y: Vector) -> NDArray[np.bool_]:
+    """Whether the stiffness at `y` is, to rounding, in whatever units its entries are."""
+    stiffness = points.slopes(y, points.free)[:, points.free_rates]
+    for axis in (2, 1):
+        largest = np.abs(stiffness).max(axis=axis, keepdims=True, initial=0.0)
+        stiffness = stiffness / np.where(largest > 0.0, largest, 1.0)
+    return np.asarray(np.linalg.matrix_rank(stiffness) < len(points.free))
 
 
 def _roots(coefficients: Vector) -> NDArray[np.complex128]:
@@ -583,7 +605,7 @@ def _newton(
         for row, place in enumerate(at.tolist() if known else ()):
             step[row] *= _deflation(step[row], y[row, free], [one[free] for one in known[place]])
         y[:, free] -= step
-        bounded = (np.abs(y) < BOUND).all(axis=1)
+        bounded = np.isfinite(y).all(axis=1)
         y = points.field(y).state.copy()
         size = np.abs(step).max(axis=1) / np.maximum(np.abs(y).max(axis=1), 1e-300)
         ended = (size <= CONVERGED) | ((size <= STALLED) & (size > last / 2.0))
