@@ -12,8 +12,8 @@ import pytest
 from motions import defaults, system
 from small_models import DOUBLE_WELL
 
-from fiv_cli.analyses.rest.equilibria import all_equilibria, equilibria, relative_residual, sliding
 from fiv_cli.analyses.base import Varied
+from fiv_cli.analyses.rest.equilibria import all_equilibria, equilibria, relative_residual, sliding
 from fiv_cli.api import analyse
 from fiv_cli.codegen.derive import derive
 from fiv_cli.codegen.reduce import derive_statics
