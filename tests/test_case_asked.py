@@ -27,6 +27,15 @@ kind = "eigenvalues"
 """
 
 
+BOUNDARY = """\
+[[analysis]]
+kind = "boundary"
+parameter = "mu_k"
+bracket = [0.1, 0.2]
+of = { expect = "periodic" }
+"""
+
+
 def claim(variable: str, expect: str, *lines: str) -> str:
     table = ["[[claim]]", 'source = "a"', 'text = "b"', f'variable = "{variable}"']
     return BELT + "\n".join([*table, f"expect = {expect}", *lines]) + "\n"
@@ -209,6 +218,13 @@ def test_what_will_be_there(text: str) -> None:
             "is a result, and no axis what has a class is what a claim narrows itself to",
         ),
         (plane("level = 0.5"), "figure.0.level", "'attractor' holds classes"),
+        (
+            figure('kind = "curve"', 'variable = "boundary"').replace(
+                '[[analysis]]\nkind = "response"\n', BOUNDARY + BOUNDARY + 'name = "other"\n'
+            ),
+            "figure.0.analysis",
+            'shows that of one analysis = "other"',
+        ),
         (plane("level = { stable = 0.5 }"), "figure.0.level.stable", "have no level"),
         (plane("level = { growth = 0 }"), "figure.0.level.growth", "here it is 'growth_rate'"),
         (plane('level = { growth_rate = "v" }'), "figure.0.level.growth_rate", "another case"),

@@ -314,6 +314,27 @@ def test_a_share_is_known_as_far_as_the_decided_points_say(expect: Any, verdict:
     assert data.tried(points, "attractor", expect, take=share).verdict == verdict
 
 
+def test_what_is_found_beside_a_loss_of_contact_says_what_it_lacks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """More time gives no number to a motion that has ended; and what was found is an answer."""
+    case, output = tmp_path / "end.toml", str(tmp_path / "end.nc")
+    of = 'variable = "stick_fraction", expect = { greater_than = 0.0 }'
+    case.write_text(
+        'schema = 1\n[model]\nname = "pin-on-disc"\nparameters = { N0 = 10.0 }\n'
+        '[[initial]]\nkind = "state"\nstate = { phi_dot = "Omega" }\n'
+        '[[analysis]]\nkind = "boundary"\nparameter = "Omega"\nbracket = [14.0, 15.0]\n'
+        f"of = {{ {of} }}\nscan = 3\n"
+    )
+    assert fiv(["run", str(case), "-o", output, "--workers", "1"]) == 0
+    told = "WARNING: 1 of 1 points of boundary have no answer for all of the bracket"
+    assert told in capsys.readouterr().err
+    assert fiv(["show", output]) == 0
+    shown = capsys.readouterr().out
+    assert "beside it ended (contact lost), without a number: asking for a class in `of`" in shown
+    assert "larger `t_max`" not in shown
+
+
 @pytest.mark.parametrize(
     ("reason", "verdict"),
     [("section_drifts", CONFIRMED), ("time_budget", UNDETERMINED), ("none", CONFIRMED)],

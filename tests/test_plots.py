@@ -28,7 +28,7 @@ from fiv_cli.flags import COMPUTED, REASON, advice
 from fiv_cli.friction import get_law
 from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
 from fiv_cli.plots import labels as words
-from fiv_cli.plots.bifurcation import FINER
+from fiv_cli.plots.bifurcation import FINEST
 from fiv_cli.plots.branch import stretches
 from fiv_cli.plots.curve import _narrowed
 from fiv_cli.plots.drawn import as_csv, in_one_line
@@ -230,7 +230,7 @@ def test_a_family_from_several_starts_has_its_colour_and_each_start_its_mark():
     gone = gone.isel(section_obs=rows)
     (ax,) = draw([("soft", one), ("stiff", one), ("bare", gone)], figure("bifurcation")).axes
     assert legend_texts(ax)[:5] == ["soft", "stiff", "bare", "near", "far"]
-    lines = {f"{line.get_label()}": line for line in ax.lines}
+    lines = {f"{line.get_label()}": line for line in reversed(ax.lines)}  # crowds come later
     pairs = product(("soft", "stiff"), ("near", "far"))
     drawn = [lines[f"_{family}, {start}"] for family, start in pairs]
     colours, shapes = [one.get_color() for one in drawn], [one.get_marker() for one in drawn]
@@ -248,7 +248,16 @@ def test_marks_of_a_dense_diagram_are_smaller():
     assert finer(2_000) == 1.0 and finer(1_000_000) == 0.5
     crowd = many.sizes["section_obs"]
     assert crowd > 2_000
-    assert smaller / size == pytest.approx(FINER * finer(crowd))
+    assert 1.5 * FINEST <= smaller < 0.5 * size  # and are dots, one sort wider than the next
+    (wide, fine) = {line.get_markersize() for line in dots_of(draw(many, figure("bifurcation")))}
+    assert max(wide, fine) > 1.5 * min(wide, fine)
+
+
+def dots_of(drawn):
+    """The lines of full dots."""
+    return [
+        line for line in drawn.axes[0].lines if line.get_marker() == "." and line.get_xdata().size
+    ]
 
 
 def marked(drawn):

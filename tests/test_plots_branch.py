@@ -192,15 +192,20 @@ def test_branches_have_the_colours_of_the_diagrams_of_their_parameters(tmp_path:
     assert {"stable cycle", "grazing"} <= {*lines}
 
 
-def test_neutral_cycles_are_in_a_diagram_too() -> None:
-    """They join a branch to the equilibrium that it ends at."""
-    table = {
+def flutter(**tables: Any) -> Any:
+    """A case of flutter under friction of 5 along mu_k, at which all turning points are kept."""
+    return {
         "schema": 1,
         "model": {"name": "flutter-2dof", "parameters": {"c1": 0.1, "c2": 0.1}}
         | {"options": {"states": "all"}},
         "friction": {"law": "coulomb", "mu_k": 5.0},
         "initial": [{"kind": "state"}],
-    }
+    } | tables
+
+
+def test_neutral_cycles_are_in_a_diagram_too() -> None:
+    """They join a branch to the equilibrium that it ends at."""
+    table = flutter()
     section = {"observe": "x", "section": {"zero": "x_dot", "direction": "both"}}
     followed = {"kind": "cycle", "parameter": "mu_k", "bracket": [3.0, 8.8], "t_max": 600.0}
     cycles = api.run(api.load(table | {"analysis": [section | followed | {"transient": 500.0}]}))
@@ -213,6 +218,83 @@ def test_neutral_cycles_are_in_a_diagram_too() -> None:
     at = np.concatenate(drawn)
     np.testing.assert_allclose(at[:, 0], 4.38133283987, atol=1e-6)
     assert np.ptp(at[:, 1]) > 1.3
+
+
+@pytest.fixture(scope="module")
+def fluttering(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Any]:
+    """The steady states between 4 and 6 with their eigenvalues, and the branch of the cycle."""
+    section = {"observe": "x", "section": {"zero": "x_dot", "direction": "both"}}
+    followed = {"kind": "cycle", "parameter": "mu_k", "bracket": [3.0, 8.8], "t_max": 600.0}
+    cycles = api.run(api.load(flutter(analysis=[section | followed | {"transient": 500.0}])))
+    response = section | {"kind": "response", "t_max": 600.0}
+    swept = flutter(analysis=[response, {"kind": "eigenvalues"}])
+    path = tmp_path_factory.mktemp("fluttering") / "swept.nc"
+    case = api.load(swept, {"grid.mu_k": [4.0, 5.0, 6.0]})
+    run_case(case, path, Policy(workers=1), for_stderr(quiet=True))
+    return read_analyses(path), cycles
+
+
+def test_equilibria_change_where_a_branch_ends_at_one(fluttering: tuple[Any, Any]) -> None:
+    """Not midway between the points of the grid, where no critical value is drawn with them."""
+    found, cycles = fluttering
+    (diagram,) = [one for one in default_figures(found) if one.kind == "bifurcation"]
+    for datasets, change in (([found, cycles], 4.38133283987), ([found], 4.5)):
+        (ax,) = draw([("", one) for one in datasets], diagram).axes
+        lines = {str(line.get_label()).removeprefix("_"): line for line in ax.lines}
+        stable, unstable = (
+            lines[f"{word} equilibrium"].get_xydata() for word in ("stable", "unstable")
+        )
+        known = [line[np.isfinite(line).all(axis=1), 0] for line in (stable, unstable)]
+        assert known[0].max() == known[1].min() == pytest.approx(change, abs=1e-6)
+
+
+def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
+    fluttering: tuple[Any, Any],
+) -> None:
+    found, cycles = fluttering
+    for name in ("x_amplitude", "x_max", "x_min"):
+        spec = FigureSpec("curve", "curve", {"variable": name, "analysis": "response"})
+        (ax,) = draw([("", found), ("", cycles)], spec).axes
+        words = [str(text.get_text()) for text in ax.get_legend().get_texts()]
+        assert {"stable cycle", "unstable cycle", "neutral cycle"} <= {*words}
+        drawn = [line.get_xydata() for line in ax.lines if "stable cycle" in str(line.get_label())]
+        (own,) = (line[np.isclose(line[:, 0], 5.0)] for line in drawn if 5.0 in line[:, 0])
+        steady = found["response"][name].sel(mu_k=5.0).squeeze()
+        assert own[0, 1] == pytest.approx(float(steady), rel=1e-6)
+
+
+def test_a_dataset_at_one_place_of_the_abscissa_is_drawn_there() -> None:
+    """One that differs in more is drawn across, as what it is compared with."""
+    spec = FigureSpec("curve", "curve", {"variable": "growth_rate"})
+    swept, one, other = (
+        api.run(api.load(flutter(analysis=[{"kind": "eigenvalues"}]), changes))
+        for changes in (
+            {"grid.mu_k": [4.0, 5.0, 6.0]},
+            {"friction.mu_k": 5.5},
+            {"friction.mu_k": 5.5, "model.parameters.c2": 0.2},
+        )
+    )
+    for dataset, places in ((one, [5.5]), (other, [4.0, 6.0])):
+        (ax,) = draw([("swept", swept), ("one", dataset)], spec).axes
+        (line,) = [one for one in ax.lines if one.get_label() == "one"]
+        assert line.get_xdata().tolist() == places
+
+
+def test_neutral_cycles_that_cannot_be_seen_have_no_entry() -> None:
+    """Next to where a cycle is born its multiplier is 1 to all digits, whatever it is beyond."""
+    table = {
+        "schema": 1,
+        "model": {"name": "belt-1dof", "parameters": {"k": 100.0, "c": 1.0, "N": 10.0, "v": 0.4}},
+        "friction": {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.25, "v_s": 0.1},
+        "initial": [{"kind": "state", "state": {"x": 0.0635}}],
+    }
+    followed = {"kind": "cycle", "parameter": "v", "bracket": [0.1, 0.9], "width": 1e-9}
+    section = {"zero": "x_dot", "direction": "down"}
+    cycles = api.run(api.load(table | {"analysis": [followed | {"section": section}]}))
+    assert "neutral" in words(cycles["branch_stable"])
+    (ax,) = draw(cycles, FigureSpec("branch", "branch", {})).axes
+    assert not [line for line in ax.lines if "neutral" in str(line.get_label())]
+    assert [line for line in ax.lines if line.get_label() == "unstable"]
 
 
 def test_datasets_of_an_axis_of_one_value_are_called_by_it() -> None:

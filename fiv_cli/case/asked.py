@@ -102,6 +102,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         places.check(own, (*place, "select"), report)
     if len(sound) == len(names) > 1 and analysis is None:
         _check_of_one_analysis(names, held, (*place, key), report)
+    if analysis is None and figure.kind in ("curve", "map", "basin"):
+        _check_of_which(sound, held, (*place, key), report)
 
 
 def _check_levels(
@@ -171,6 +173,18 @@ def _check_of_one_analysis(names: Sequence[str], held: Held, place: Path, report
         told = ", ".join(f"{name} is of {' and '.join(home)}" for name, home in homes.items())
         message = "a figure shows variables of one analysis"
         report.add(place, message, told, "write a figure for each")
+
+
+def _check_of_which(names: Sequence[str], held: Held, place: Path, report: Report) -> None:
+    """Note variables that several analyses have where the figure does not say of which one."""
+    homes = [
+        analysis
+        for analysis, own in held.items()
+        if names and {variable.name for variable in own or ()}.issuperset(names)
+    ]
+    if len(homes) > 1:
+        message = f"{len(homes)} analyses compute {listed(names)}, and a figure shows that of one"
+        report.add((*place[:-1], "analysis"), message, listed(homes), f'analysis = "{homes[-1]}"')
 
 
 def _check_phase(

@@ -407,7 +407,7 @@ class FigureTable(Table):
     variable: str | list[str] | None = Field(
         default=None,
         description="variable(s) to draw; curves of several units have a panel each, and ylim and "
-        "ylabel mean the first",
+        "ylabel mean the first; a bifurcation shows section_value alone",
     )
     select: dict[str, Wanted] = Field(
         default={}, description="axis or initial -> value, list of values or condition to draw"

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
 FINER = 0.3
+SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
+FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 PALE = 0.4  # what has no class may be on its way yet
 ELSEWHERE = ", not at the section"
 # Of changes of cycles: full, since the hollow marks are those of starts.
@@ -68,7 +70,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     axis, observed = points.abscissa(first, settings), _observed(first[name])
     equilibria = [_equilibria(layer, others, axis, observed) for layer in shown]
-    changes = [_changes(layer, others, axis) for layer in shown]
+    changes = [_changes(layer, others, axis, observed) for layer in shown]
     found = [
         cloud
         for layer, lines in zip(shown, equilibria, strict=True)
@@ -198,15 +200,22 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
     resting = "at rest" if apart.any() else "steady sliding"
     _name_sorts(ax, clouds, entries, size)
     for cloud, entry in zip(clouds, entries, strict=True):
-        crowded, undecided = cloud.crowded & ~cloud.undecided, cloud.undecided
-        for part, finer, alpha, label in (
-            (~crowded & ~undecided, 1.0, None, entry.label),
-            (crowded, FINER * style.finer(crowd), None, points.unlisted(entry.label)),
-            (undecided, FINER, PALE, points.unlisted(entry.label, "undecided")),
+        crowded, undecided = cloud.crowded, cloud.undecided
+        seen = 1.0 + SEEN_BEHIND * (sorts - 1 - entry.number) / sorts
+        fine = seen * max(FINEST, FINER * style.finer(crowd) * size)
+        among, open_ = points.unlisted(entry.label), points.unlisted(entry.label, "undecided")
+        for part, finest, alpha, label in (
+            (~crowded & ~undecided, None, None, entry.label),
+            (~crowded & undecided, None, PALE, open_),
+            (crowded & ~undecided, fine, None, among),
+            (crowded & undecided, fine, PALE, open_),
         ):
-            look = style.mark_of(entry.number, sorts, finer * size) | {"color": entry.colour}
-            look["alpha"] = alpha
-            ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, rasterized=many, **look)
+            pale = FINER if alpha else 1.0
+            look = style.mark_of(entry.number, sorts, pale * size)
+            look = style.mark_of(0, 1, finest) if finest else look
+            look |= {"color": entry.colour, "alpha": alpha, "rasterized": many}
+            if part.any() or label == entry.label:
+                ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, **look)
         own = style.mark_of(entry.number, sorts, size) | {"color": entry.colour, "ls": "none"}
         rest, on_line = (
             (cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told)
@@ -373,10 +382,19 @@ def _critical(dataset: xr.Dataset, axis: xr.DataArray) -> np.ndarray:
     return np.sort(found.values) if is_along else np.zeros(0)
 
 
-def _changes(layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray) -> np.ndarray:
-    """Where along an axis the equilibria of a diagram change, as another analysis found it."""
-    parts = (_of_the_same(one, layer.dataset) for one in (*layer.beside, *others))
-    found = (_critical(part, axis) for part in parts if part is not None)
+def _changes(
+    layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+) -> np.ndarray:
+    """Where along an axis the equilibria of a diagram change, as another analysis found it.
+
+    That is a critical value or, where there is none, at which a cycle shrinks to one of them.
+    """
+    same = (_of_the_same(one, layer.dataset) for one in (*layer.beside, *others))
+    parts = [part for part in same if part is not None]
+    found = [_critical(part, axis) for part in parts]
+    found += [
+        branch.births(part) for part in parts if branch.is_along(part, str(axis.name), observed)
+    ]
     return next((changes for changes in found if changes.size), np.zeros(0))
 
 

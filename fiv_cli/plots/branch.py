@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 ALONG = "branch_value"
 EXTREMES = ("branch_min", "branch_max")
 AT_SECTION = "branch_section"
+OF_EXTREMES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
+    "min": lambda least, greatest: least,
+    "max": lambda least, greatest: greatest,
+    "amplitude": lambda least, greatest: 0.5 * (greatest - least),
+}
 DASHES = {"stable": "-", "unstable": "--", "neutral": ":"}
 UNMARKED = ("closed", "not_computed")  # where a closed branch began says nothing of it
 MARKS = {
@@ -170,6 +175,30 @@ def is_along(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
         return False
     words = [str(dataset[name].attrs.get("long_name", "")) for name in (ALONG, EXTREMES[0])]
     return words[0].startswith(f"{parameter} ") and f" {observed} " in words[1]
+
+
+def told_of(
+    dataset: xr.Dataset, parameter: str, variable: str
+) -> Iterator[tuple[points.Line, str, np.ndarray, np.ndarray]]:
+    """Place, stability, `parameter` and a variable of motions along the pieces of branches.
+
+    Of variables of the steady state that are the extremes of what branches tell, or their half
+    distance.
+    """
+    observed, _, of = variable.rpartition("_")
+    if of in OF_EXTREMES and is_along(dataset, parameter, observed):
+        for line in points.lines(dataset, [], points.grid_dims(dataset)):
+            for word, value, extremes in stretches(dataset, line.index):
+                yield line, word, value, OF_EXTREMES[of](*extremes)
+
+
+def births(dataset: xr.Dataset) -> np.ndarray:
+    """Where branches end at an equilibrium, from low to high; the same one, to its errors, once."""
+    is_one = _kinds(dataset) == "equilibrium"
+    ends = dataset["cycle_end"].values, dataset.get("cycle_end_error", dataset["cycle_end"]).values
+    at, error = (of[is_one][np.argsort(ends[0][is_one])] for of in ends)
+    apart = np.diff(at) > np.nan_to_num(error[1:] + error[:-1])
+    return at[np.append(True, apart)[: at.size]]
 
 
 def meets_sections(dataset: xr.Dataset) -> bool:

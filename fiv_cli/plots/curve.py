@@ -15,7 +15,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import listed
-from fiv_cli.plots import labels, points, style
+from fiv_cli.plots import branch, labels, points, style
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
@@ -37,6 +37,7 @@ CLASS_SHIFT = 0.06
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
+PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
 CAP = 2.0  # half the width of the ends of error bars, pt
 UNSEEN = 1e-4  # of the greatest value: an error bar that is shorter has no ends
@@ -92,7 +93,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         for curve in (
             _curves(layer, name, len(own) > 1, settings, sorts)
             if any(layer is one for one in along)
-            else _across(layer, name, points.positions(axis))
+            else _of_branches(layer, name, axis) or _without_axis(layer, name, dataset, axis)
         )
     ]
     anything = any(np.isfinite([curve.y, *curve.ends]).any() for _, curve in drawn)
@@ -139,11 +140,11 @@ def _panel(
 ) -> None:
     """The lines of some variables of one unit, against an axis that is `numeric` or of names."""
     classes = bool(flag_names(variables[0].attrs))
-    of_sort = {curve.sort: curve for curve, _ in sorted(lines, key=lambda one: one[0].x.size)}
     for sort in dict.fromkeys(curve.sort for curve, _ in lines if curve.sort):
-        longest = of_sort[sort]
-        dash = longest.dash if longest.x.size > 1 else "none"
-        ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **longest.mark)
+        own = sorted((c for c, _ in lines if c.sort == sort), key=lambda one: one.x.size)
+        dash = own[-1].dash if own[-1].x.size > 1 else "none"
+        mark = {**own[0].mark, **({} if own[0].is_marked else {"marker": "None"})}
+        ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
     for curve, entry in lines:
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
@@ -162,8 +163,7 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
-    many = curve.of_crossings and x.size > MOST_MARKED and not apart
-    look |= {"marker": "None"} if many else {}
+    look |= {} if curve.is_marked or apart else {"marker": "None"}
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
@@ -242,6 +242,11 @@ class _Curve:
     of_crossings: bool = False
 
     @property
+    def is_marked(self) -> bool:
+        """Whether its points have marks."""
+        return not self.of_crossings or self.x.size <= MOST_MARKED
+
+    @property
     def is_wide(self) -> np.ndarray:
         """Where it may be more than one number."""
         return self.ends[0] < self.ends[1]
@@ -302,19 +307,46 @@ def _narrowed(
     return middle, bar, [np.where(narrow, middle, end) for end in ends]
 
 
-def _across(layer: points.Layer, name: str, x: np.ndarray) -> list[_Curve]:
-    """The values of a dataset that does not vary along the abscissa, each over all of it."""
-    array, ends = numbers(layer.dataset[name]), np.array([x.min(), x.max()])
+def _of_branches(layer: points.Layer, name: str, axis: xr.DataArray) -> list[_Curve]:
+    """What branches along the abscissa tell of the variable, if there are any."""
+    curves = []
+    for line, word, x, y in branch.told_of(layer.dataset, str(axis.name), name):
+        sure = np.zeros(x.size, bool)
+        look: dict[str, Any] = {"dash": branch.DASHES.get(word, "-"), "mark": {"marker": "None"}}
+        own = (x, y, sure, (y, y), np.zeros(x.size))
+        curves.append(_Curve(line.label, *own, **look, sort=f"{word} cycle"))
+    return curves
+
+
+def _without_axis(
+    layer: points.Layer, name: str, first: xr.Dataset, axis: xr.DataArray
+) -> list[_Curve]:
+    """The values of a dataset that does not vary along the abscissa, each over all of it.
+
+    One that differs from the first in its place there alone has that place.
+    """
+    array, x = numbers(layer.dataset[name]), points.positions(axis)
+    at = np.array([x.min(), x.max()])
+    if _is_at_one_place(layer.dataset, first, axis):
+        at = layer.dataset[axis.name].values.reshape(1).astype(float)
     flat = [
-        (points.joined(layer.label, line.label), np.full(2, float(array.isel(line.index))))
+        (points.joined(layer.label, line.label), np.full(at.size, float(array.isel(line.index))))
         for line in points.lines(layer.dataset, [], [str(dim) for dim in array.dims])
     ]
-    sure = np.zeros(2, bool)
+    sure, mark = np.zeros(at.size, bool), {"marker": "None"} if at.size > 1 else PLACE
     return [
-        _Curve(label, ends, y, sure, (y, y), np.zeros(2), mark={"marker": "None"})
+        _Curve(label, at, y, sure, (y, y), np.zeros(at.size), mark=mark)
         for label, y in flat
         if np.isfinite(y).all()
     ]
+
+
+def _is_at_one_place(dataset: xr.Dataset, first: xr.Dataset, axis: xr.DataArray) -> bool:
+    """Whether all parameters of a dataset but the axis are those of the first, or among them."""
+    own, known = ({str(n): one for n, one in of.coords.items()} for of in (dataset, first))
+    fixed = [n for n, one in own.items() if one.ndim == 0 and select.is_numeric(one) and n in known]
+    rest = [n for n in fixed if n != axis.name]
+    return axis.name in fixed and all(np.isin(own[n], known[n]).all() for n in rest)
 
 
 def _by_sort(

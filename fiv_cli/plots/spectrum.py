@@ -152,7 +152,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         frequency, height = _shape(dataset.isel(line.index))
         width = 0.8 * (1 + (len(lines) - 1 - number) / len(lines))  # one is seen behind another
         x = frequency * factor_of(settings)
-        ax.plot(x, height, color=colour, label=line.label, lw=width)
+        ax.plot(x, height, color=colour, label=line.label, lw=width, solid_capstyle="butt")
         _name_fundamental(ax, dataset.isel(line.index), (x, height), colour, settings)
     growing = np.unique(dataset[GROWING].values) if GROWING in dataset else np.zeros(0)
     for number, frequency in enumerate(growing[np.isfinite(growing)] * factor_of(settings)):
@@ -230,7 +230,7 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         label = points.joined(one.label, motion.label_of(dataset[name], settings))
         width = 0.8 * (1 + (len(shown) - 1 - number) / len(shown))  # one is seen behind another
         colour = style.line_colours(len(shown))[number]
-        ax.plot(x, height, color=colour, label=label, lw=width)
+        ax.plot(x, height, color=colour, label=label, lw=width, solid_capstyle="butt")
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(
         "amplitude" + (f" of {motion.label_of(dataset[names[0]], settings)}" * (len(names) == 1))

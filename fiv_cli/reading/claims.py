@@ -34,7 +34,7 @@ from fiv_cli.case.others import file_of
 from fiv_cli.case.toml import toml_value
 from fiv_cli.data.hdf5 import read_attributes
 from fiv_cli.errors import FivError
-from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
@@ -469,20 +469,28 @@ def _sharpened(analysis: str, dataset: xr.Dataset, reached: xr.DataArray | None)
     called = analysis or name_of_only(dataset)
     if "width" not in settings:
         return "no setting of the analysis lessens it; allow for it in `expect`"
-    if reached is not None and wider_than_asked(dataset, settings, reached):
-        return f"{BESIDE} of the analysis {called!r} lessens it"
+    if reached is not None and bool(wider_than_asked(dataset, settings, reached).any()):
+        return f"{beside(dataset)} of the analysis {called!r} lessens it"
     return f"a smaller `width` of the analysis {called!r} lessens it"
 
 
-BESIDE = "runs beside it are undecided: a larger `t_max`"
+def beside(dataset: xr.Dataset, wide: xr.DataArray | bool = True) -> str:
+    """What lies beside `wide` changes of a `boundary`, and which setting lets it have an answer."""
+    known = [dataset[name] for name in ("class_below", "class_above") if name in dataset]
+    sides = [one.where(wide) for one in known]
+    lost = [one for side in sides for one in ENDED_EARLY if bool(is_class(side, (one,)).any())]
+    if not lost:
+        return "runs beside it are undecided: a larger `t_max`"
+    ended = " and ".join(dict.fromkeys(lost)).replace("_", " ")
+    return f"runs beside it ended ({ended}), without a number: asking for a class in `of`"
 
 
 def wider_than_asked(
     dataset: xr.Dataset, settings: Mapping[str, Any], reached: xr.DataArray
-) -> bool:
-    """Whether undecided runs kept a `boundary` from the width that was asked for."""
+) -> xr.DataArray:
+    """Where runs without an answer kept a `boundary` from the width that was asked for."""
     asked = settings["width"] * np.ptp(settings.get("bracket", ()) or 0.0)
-    return "n_undecided" in dataset and bool((reached > 2.0 * asked).any())
+    return (reached > 2.0 * asked) & ("n_undecided" in dataset)
 
 
 def _holder(variable: str, analysis: str, analyses: Analyses) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from fiv_cli.analyses.base import Question
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.notation.amounts import with_error
-from fiv_cli.reading.claims import BESIDE, point_name, wider_than_asked
+from fiv_cli.reading.claims import beside, point_name, wider_than_asked
 from fiv_cli.reading.datasets import class_names, is_class
 
 if TYPE_CHECKING:
@@ -54,12 +54,13 @@ def still_followed(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str
         if name in dataset
     }
     crossings = dataset["n_crossings"].values.ravel()
-    coarse = wider_than_asked(dataset, settings, dataset["boundary_width"])
+    wide = wider_than_asked(dataset, settings, dataset["boundary_width"])
+    coarse = f"{COARSE}, {beside(dataset, wide)} lessens it; {BY_EIGENVALUES}"
     question = Question(**settings["of"])
     return [
         *still(question, settings["follow"], classes, crossings),
         *_of_its_time(dataset, question, settings["t_max"]),
-        *([f"{COARSE}, {BESIDE} lessens it; {BY_EIGENVALUES}"] if coarse else []),
+        *([coarse] if bool(wide.any()) else []),
     ]
 
 

@@ -82,7 +82,10 @@ class Answer:
             yield from self._reasons()
             yield from (f"    {remark}" for remark in self.still)
         if 2 * self.open > self.asked:
-            yield f"  WARNING: {self.open} of {self.asked} points of {self.name} have no answer"
+            none = "have no answer"
+            if self.reasons.get("undecided_in_part", 0) == self.open:
+                none += " for all of the bracket"
+            yield f"  WARNING: {self.open} of {self.asked} points of {self.name} {none}"
         yield from (f"  WARNING: {remark}" for remark in self.beyond)
         if self.not_reached:
             yield (
