@@ -204,6 +204,18 @@ def test_plot_writes_the_table(tmp_path, monkeypatch, capsys):
     assert "use -o a.png, or, for the numbers that it draws, a.csv" in capsys.readouterr().err
 
 
+def test_files_are_called_as_they_are_labelled(tmp_path, monkeypatch):
+    """In a table as in a legend, whatever they differ in."""
+    monkeypatch.chdir(tmp_path)
+    for name, law in (("a", "coulomb"), ("b", "stribeck")):
+        data.bifurcation().assign_attrs(law=law).to_netcdf(f"{name}.nc")
+    for labels, names in ((["one", "far out"], ["one", "far out"]), ([], ["coulomb", "stribeck"])):
+        asked = [part for label in labels for part in ("--label", label)]
+        assert fiv(["plot", "a.nc", "b.nc", "--figure", "curve", *asked, "-o", "c.csv"]) == 0
+        series = {row.split(",")[4] for row in Path("c.csv").read_text().splitlines()[1:]}
+        assert all(any(name in one for one in series) for name in names)
+
+
 def test_several_outputs_are_those_of_each_alone(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     data.bifurcation().to_netcdf("a.nc")

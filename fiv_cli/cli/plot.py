@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from string import ascii_letters
@@ -65,6 +65,13 @@ class Millimetres(click.ParamType):
     multiple=True,
     help="Draw this figure of the case only, or this kind of figure (repeatable).",
 )
+@click.option(
+    "--label",
+    "labels",
+    multiple=True,
+    metavar="WORDS",
+    help="What to call a file among several: one for each, in their order.",
+)
 @with_option
 @click.option(
     "--law",
@@ -96,6 +103,7 @@ def command(
     files: tuple[Path, ...],
     outputs: tuple[Path, ...],
     names: tuple[str, ...],
+    labels: tuple[str, ...],
     laws: tuple[str, ...],
     speed: float | None,
     loop: str | None,
@@ -109,8 +117,9 @@ def command(
 
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
     any, a figure of each kind that suits it. Several files share one figure where that makes
-    sense (curve, bifurcation, branch), each called by what it differs in; a bifurcation diagram
-    takes the cycles of files that hold a branch. Kinds: map, basin, bifurcation, curve,
+    sense (curve, bifurcation, branch), each called by what it differs in, or as --label says; a
+    bifurcation diagram takes the cycles of files that hold a branch, and so does a curve of an
+    amplitude or extreme. Kinds: map, basin, bifurcation, curve,
     branch, eigenvalues, history, phase, spectrum, spectrogram, mode-shape. A figure that would be
     empty is not written, and says why. Of several figures -o b.png makes b-a-NAME.png of each.
 
@@ -125,6 +134,10 @@ def command(
     """
     if bool(files) == bool(laws):
         raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
+    if labels and len(labels) != len(files):
+        raise UsageError(
+            f"--label: {len(labels)} for {len(files)} files\nnext: one --label WORDS for each file"
+        )
     if loop is not None and not laws:
         raise UsageError("--loop: of which law?\nnext: --law NAME --loop amplitude=A,omega=W")
     if titled and any(file.name.lower() in SAID_OF_A_FLAG and not file.exists() for file in files):
@@ -136,7 +149,9 @@ def command(
     if loop is not None:
         figures = _of_loops(laws, loop, look)
     else:
-        figures = _of_laws(laws, look, speed) if laws else _of_files(files, names, look, undrawn)
+        called = dict(zip(files, labels, strict=False))
+        wanted = (files, names, called, look, undrawn)
+        figures = _of_laws(laws, look, speed) if laws else _of_files(*wanted)
     for path, figure in _with_paths(figures, outputs):
         try:
             save(figure, path, look)
@@ -204,7 +219,11 @@ def _number(text: str) -> float | int | str:
 
 
 def _of_files(
-    files: Sequence[Path], names: Sequence[str], look: Look, undrawn: list[UsageError]
+    files: Sequence[Path],
+    names: Sequence[str],
+    called: Mapping[Path, str],
+    look: Look,
+    undrawn: list[UsageError],
 ) -> list[tuple[Path, Figure]]:
     """(default path, figure) of every figure; those that overlay are drawn once for all files.
 
@@ -219,7 +238,7 @@ def _of_files(
     from fiv_cli.reading.datasets import read_analyses
 
     drawn, left_out = [], []
-    for default, sources, figure in _asked(files, names):
+    for default, sources, figure in _asked(files, names, called):
         try:
             drawn.append((default, _drawn(sources, figure, look)))
         except UsageError as error:
@@ -238,13 +257,16 @@ def _of_files(
 
 
 def _asked(
-    files: Sequence[Path], names: Sequence[str]
+    files: Sequence[Path], names: Sequence[str], called: Mapping[Path, str]
 ) -> Iterator[tuple[Path, Sources, FigureSpec]]:
     """(default path, what it is drawn from, figure) of every figure that is asked for."""
     from fiv_cli.reading.changed import changed_since
     from fiv_cli.reading.datasets import read_analyses
 
-    sources = [(file, read_analyses(file)) for file in files]
+    sources = [
+        (file, {name: one.assign_attrs(called=called.get(file, "")) for name, one in held.items()})
+        for file, held in ((file, read_analyses(file)) for file in files)
+    ]
     for file, source in sources:
         attributes = next(iter(source.values())).attrs
         if "partial" in attributes:
@@ -344,10 +366,12 @@ def _failure(
 
 
 def _named(sources: Sources) -> list[tuple[str, dict[str, xr.Dataset]]]:
-    """(what it differs in from the others, analyses) of each file."""
+    """(what it is called, or differs in from the others, analyses) of each file."""
     from fiv_cli.plots.labels import told_apart
 
-    names = told_apart([(file.stem, next(iter(source.values()))) for file, source in sources])
+    firsts = [(file.stem, next(iter(source.values()))) for file, source in sources]
+    given = [str(one.attrs["called"]) for _, one in firsts]
+    names = given if any(given) else told_apart(firsts)
     return [(name, source) for name, (_, source) in zip(names, sources, strict=True)]
 
 
