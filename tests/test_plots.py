@@ -215,9 +215,10 @@ def test_members_of_a_random_start_share_colour_and_legend_entry(kind):
     dataset = data.bifurcation().assign_coords(initial=["far-000", "far-001"])
     (ax,) = draw(dataset, figure(kind)).axes
     assert legend_texts(ax)[0] == "far"
-    assert len({line.get_color() for line in ax.lines[:2]}) == 1
+    own = [line for line in ax.lines if line.get_label() in ("far", "_far")]
+    assert len(own) > 1 and len({line.get_color() for line in own}) == 1
     assert not {"far-000", "far-001"} & set(legend_texts(ax))
-    assert {line.get_linestyle() for line in ax.lines[:2]} == {"None"}
+    assert {line.get_linestyle() for line in own} == {"None"}
 
 
 def test_a_family_from_several_starts_has_its_colour_and_each_start_its_mark():
@@ -1753,6 +1754,23 @@ def test_a_line_of_a_curve_without_any_value_is_said_to_have_none():
     printed = summary_lines(summarise({"": found}))
     (told,) = (line for line in printed if " L_s " in line)
     assert told.endswith(f" rad2 (at {found['L_s'].count().item()} of 92 points)")
+
+
+def test_no_line_leads_from_one_motion_to_that_of_another_start():
+    """Both have a class, and the same: that they meet, and what continues better, tells."""
+    found = data.bifurcation()
+    size = found["Omega"].values[:, None]
+    low, high, leaves = 1.0 + size, 3.0 + size, size > 2.0
+    found["L_s"] = found["L_s"].copy(
+        data=np.where([False, True] & leaves, low, np.hstack([low, high]))
+    )
+    (periodic,) = (c for c, n in flag_names(found["attractor"].attrs).items() if n == "periodic")
+    found["attractor"] = found["attractor"].copy(data=np.full_like(found["attractor"], periodic))
+    (ax,) = draw(found, figure("curve", variable="L_s")).axes
+    near, far = (marks(ax, label) for label in ("near", "far"))
+    assert np.isfinite(near).all()
+    cuts = np.flatnonzero(np.isnan(far[:, 0]))
+    assert [far[cut - 1, 0] <= 2.0 < far[cut + 1, 0] for cut in cuts] == [True]
 
 
 @pytest.mark.parametrize("name", ["L_s_error", "L_s_standard_error"])

@@ -51,6 +51,8 @@ UNSURE = {
     "undecided points: nothing known": {"marker": "x", "ms": 5, "ls": "none"},
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
+SAME = 1e-6  # relative distance of values of one motion
+SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
 SMALL = 0.02  # ... or of all values
 SHORTER = 1.01
@@ -278,6 +280,12 @@ def _curves(
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
+
+    def beside(line: points.Line, dim: str) -> np.ndarray:
+        """The values of all starts at what a line holds fixed, shape (starts, points)."""
+        own = {name: at for name, at in line.index.items() if name != "initial"}
+        return array.isel(own).transpose(..., dim).values.reshape(-1, array.sizes[dim])
+
     curves = []
     for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
         y, open_, told, error, *ends = (
@@ -285,11 +293,22 @@ def _curves(
             for one in (array, unsure & array.notnull(), classes, errors, *ends_of(dataset, name))
         )
         y, error, ends = _narrowed(y, error, ends)
-        jumps = (np.flatnonzero((told[1:] != told[:-1]) | _turns_back(x)) + 1).tolist()
+        apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
+        jumps = (np.flatnonzero(apart) + 1).tolist()
         label = points.joined(words, layer.label, line.label)
         label += ": no value" * bool(label and not np.isfinite([y, *ends]).any())
         curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps))
     return curves
+
+
+def _changes_over(y: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Between which neighbours a line leaves its motion for that of another start.
+
+    At one of both it has the value of another start, whose step between them is shorter by far.
+    """
+    with_, steps = np.isclose(starts, y, rtol=SAME, atol=0.0), np.abs(np.diff(starts, axis=1))
+    met = with_[:, 1:] != with_[:, :-1]
+    return np.asarray((met & (steps < SHARE_OF_STEP * np.abs(np.diff(y)))).any(axis=0))
 
 
 def _narrowed(
