@@ -44,7 +44,6 @@ SECTION_WORDS = {
     "turning_point": "a turning point",
     "impact": "an impact",
 }
-CYCLES = {"stable": "-", "unstable": "--", "neutral": "-."}
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1)}
 ALIKE = 1e-3  # of heights that are the same in a figure
 
@@ -418,14 +417,14 @@ def _draw_cycles(
         at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
         told = {
             word: f"{word}{' cycle' if at_section else extremes}"
-            for word in CYCLES
+            for word in branch.DASHES
             if at_section or word != "stable"
         }
         for own, word, x, heights in _cycles(dataset, axis, observed, at_section):
             if word not in told:
                 continue
             place, colour = _whose(layer, own, axis, colours)
-            look: dict[str, Any] = {"ls": CYCLES[word], "lw": 1.2, "zorder": 1.5}
+            look: dict[str, Any] = {"ls": branch.DASHES[word], "lw": 1.2, "zorder": 1.5}
             if told[word] not in [line.get_label() for line in ax.lines]:
                 ax.plot([], [], color=style.BLACK, label=told[word], **look)
             for height in heights:
@@ -639,7 +638,7 @@ def _cycles(
         extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
         heights = [*_at_section(dataset)] if at_section else extremes
         lines = points.lines(dataset, [dim], points.grid_dims(dataset))
-        for word, line in itertools.product(CYCLES, lines):
+        for word, line in itertools.product(branch.DASHES, lines):
             mask = is_class(dataset["stable"], (word,)).isel(line.index)
             if mask.any():
                 shown = [height.isel(line.index).where(mask).values for height in heights]

@@ -31,7 +31,7 @@ OF_EXTREMES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "max": lambda least, greatest: greatest,
     "amplitude": lambda least, greatest: 0.5 * (greatest - least),
 }
-DASHES = {"stable": "-", "unstable": "--", "neutral": ":"}
+DASHES = {"stable": "-", "unstable": "--", "neutral": "-."}
 UNMARKED = ("closed", "not_computed")  # where a closed branch began says nothing of it
 MARKS = {
     "fold": "o",
@@ -156,17 +156,22 @@ def draw_marks(
     *,
     at_section: bool = False,
 ) -> None:
-    """A mark at each change and end of a branch, at the heights of the nearest of its cycles."""
+    """A mark at each change and end of a branch, at the heights of the nearest of its cycles.
+
+    Where that shrinks to an equilibrium these are one.
+    """
     value, heights = _heights(dataset, index, at_section)
     for place, at, error, kind in _marks(dataset, index, value):
         mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, _words(kind))
         mark = LEFTWARDS if kind == "bracket" and at < value.mean() else mark
         wide = LARGER.get(mark, 1.0) * look["ms"]
-        for height in heights[:, place]:
+        here = heights[:, place]
+        here = np.nanmean(here, keepdims=True) if kind == "equilibrium" else here
+        for height in here:
             ax.plot(at, height, mark, color=colour, zorder=4.5, label=told, **{**look, "ms": wide})
         if error > 0.0:
             ends = at - error, at + error
-            ax.hlines(heights[:, place], *ends, colour, lw=0.8, label=f"{told}, error bar")
+            ax.hlines(here, *ends, colour, lw=0.8, label=f"{told}, error bar")
 
 
 def is_along(dataset: xr.Dataset, parameter: str, observed: str) -> bool:

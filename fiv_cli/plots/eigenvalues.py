@@ -99,7 +99,7 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
         dash = style.dash(number, len(lines))
         ax.plot([], [], ls=dash, color=style.BLACK, label=line.label)
     if np.any(dataset[PARTS[0]].values > 0.0):
-        ax.plot([], [], label="unstable", **look)
+        ax.plot([], [], label="unstable", **(look if look is DOTS else look | {"marker": "None"}))
 
 
 def _mark(
