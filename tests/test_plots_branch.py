@@ -123,7 +123,7 @@ def test_what_happens_close_together_is_told_with_how_often(branches: xr.Dataset
 
 
 def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None:
-    """Not at another of many cycles at one value of the parameter; once, where the cycle is gone."""
+    """Not at another of many cycles at one value of the parameter; once, where it is gone."""
     (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
     upright = branches["branch_value"].copy(data=np.full(branches["branch_value"].size, 1.0))
     (ax,) = draw(branches.assign(branch_value=upright), figure).axes
