@@ -36,7 +36,7 @@ from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.plots.style import BLACK, class_colours, dot_size, finer, line_colours, tame_texts
-from fiv_cli.reading.datasets import class_names, flag_names
+from fiv_cli.reading.datasets import class_names, flag_names, is_class
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
 from fiv_cli.reading.take import taken
@@ -1326,6 +1326,30 @@ def test_numbers_are_written_as_people_write_them_and_in_tables_as_programs_read
     assert float(in_one_line(text)) == number
 
 
+def test_a_map_has_the_label_of_its_colour_bar_that_it_asks_for():
+    drawn = draw(data.stability_map(), figure("map", variable="L_s", zlabel="index"))
+    (bar,) = (ax for ax in drawn.axes if ax.get_label() == "<colorbar>")
+    assert bar.get_ylabel() == "index"
+
+
+def test_of_a_refined_map_rests_that_were_filled_in_are_0_where_all_that_ran_are():
+    """As L_s at an equilibrium is; where some rest elsewhere, nothing is known of the others."""
+    for elsewhere, unknown in ((0.0, False), (0.5, True)):
+        dataset = data.stability_map(initial=("reached",))
+        rests = is_class(dataset["attractor"], ("equilibrium",)).values
+        first, *_, last = np.argwhere(rests)
+        dataset["L_s"].values[rests], dataset["L_s"].values[tuple(last)] = 0.0, elsewhere
+        computed = np.full(rests.shape, "run", object)
+        computed[tuple(first)] = "filled_in"
+        dataset["L_s"].values[tuple(first)] = np.nan
+        dataset["status"].values[tuple(first)] = data.codes(data.STATUS, "not_reached")
+        dims = dataset["attractor"].dims
+        dataset["computed"] = data.flags(dims, computed, ("run", "sampled", "filled_in"))
+        drawn = draw(dataset.assign_attrs(refined_of="attractor"), figure("map", variable="L_s"))
+        told = [one for one in legend_texts(drawn) if "class was filled in" in one]
+        assert bool(told) == unknown
+
+
 def test_a_level_without_a_line_has_no_entry_in_the_legend():
     levels = {"variable": "L_s", "level": [1e-3, 1.0]}
     drawn = draw(data.stability_map(), figure("map", **levels))
@@ -1434,7 +1458,10 @@ def test_levels_written_on_lines_that_run_close_do_not_lie_on_each_other(width):
     drawn = draw(dataset, figure("map", **levels), look=look_of("paper", width=width))
     drawn.canvas.draw()
     boxes = [text.get_window_extent() for text in drawn.axes[0].texts]
-    assert boxes and not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    assert boxes or width < 84.0  # there the lines are one, and the legend tells their dashes
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    (x0, y0), (x1, y1) = drawn.axes[0].bbox.get_points()
+    assert all(x0 < b.x0 and b.x1 < x1 and y0 < b.y0 and b.y1 < y1 for b in boxes)
 
 
 def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
@@ -1622,6 +1649,23 @@ def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches()
     assert one.get_ylabel() == r"initial $\dot{x}$ (m/s)"
 
 
+def test_a_basin_tells_cycles_of_one_class_apart_by_their_periods():
+    """As L_s does; what is one motion to its errors is one."""
+    dataset = data.basin(speeds=(1.0,))
+    large = (dataset["initial_state"].sel(state="x") > 0.0).transpose(*dataset["status"].dims)
+    dataset["L_s"] = dataset["L_s"].copy(data=np.where(large, 2.0, 1.0 + 1e-9 * np.arange(200)))
+    dataset["period"] = dataset["L_s"].copy(data=np.where(large, 0.5, 2.0)).assign_attrs(units="s")
+    dataset = dataset.assign_attrs(solver_json='{"rtol": 1e-9}', starts_json='{"any": "table"}')
+    (ax,) = draw(dataset, figure("basin")).axes
+    told = legend_texts(ax.figure)
+    (long, short) = (next(one for one in told if f"$T$ = {t} s" in one) for t in ("2", "0.5"))
+    counts = [int(one.rpartition(" of ")[0].rpartition(" ")[2]) for one in (long, short)]
+    cycle = dataset["attractor"].isel(Omega=0) == dataset["attractor"].max()
+    assert counts == [int((cycle & (~large if n == 0 else large)).sum()) for n in (0, 1)]
+    dataset["L_s"] = dataset["L_s"] * 0.0 + 1.0
+    assert not [one for one in legend_texts(draw(dataset, figure("basin"))) if "$T$" in one]
+
+
 def test_a_basin_shows_where_its_motions_rest():
     dataset = data.basin(speeds=(2.0,))
     everywhere = xr.zeros_like(dataset["status"], float)
@@ -1710,8 +1754,8 @@ def test_a_map_counts_the_filled_in_points_of_what_it_shows():
     found = found.assign_attrs(refined_of="attractor", points_run=8, points_filled_in=4)
     chosen = {"x": "mu_k", "y": "Omega", "variable": "L_s", "select": {"N0": 2.0}}
     drawn = draw(found, figure("map", **chosen))
-    (told,) = (text for text in legend_texts(drawn) if "not run" in text)
-    assert "3 not run" in told
+    (told,) = (text for text in legend_texts(drawn) if "filled in" in text)
+    assert "3 of which only the class" in told
     assert "50.0% of 6 points run, 0 of 1 sampled mislabelled" in drawn.get_suptitle()
 
 
@@ -1744,6 +1788,30 @@ def test_a_share_as_good_as_known_is_a_point_of_its_line():
     np.testing.assert_allclose(y, [0.9, 0.801, np.nan])
     np.testing.assert_allclose(error, [0.0, 0.001, 0.0])
     np.testing.assert_allclose(ends, [[0.9, 0.801, 0.1], [0.9, 0.801, 0.5]])
+
+
+def test_a_line_without_values_in_one_panel_is_that_of_the_others():
+    found = data.bifurcation()
+    found["phi_amplitude"] = found["L_s"].copy().assign_attrs(units="rad", long_name="half range")
+    found["L_s"] = found["L_s"].where(found["initial"] == "far")
+    drawn = draw(found, figure("curve", variable=["phi_amplitude", "L_s"]))
+    told = [text for ax in drawn.axes for text in legend_texts(ax)]
+    assert "near" in told and not [text for text in told if "no value" in text]
+
+
+def test_a_share_between_two_has_an_error_beyond_both():
+    """Of 20 random starts 10 are periodic, and 2 have no class: 0.5 to 0.6, and the error of 20."""
+    classes = np.array([["periodic"] * 10 + ["undecided"] * 2 + ["equilibrium"] * 8], object)
+    starts = [f"any-{n:03d}" for n in range(20)]
+    axes = data.axes(Omega=np.array([1.0])) | {"initial": ("initial", starts)}
+    points = data.response(classes, np.ones((1, 20)), axes)
+    points = xr.concat([points, points.assign_coords(Omega=[2.0])], "Omega", data_vars="minimal")
+    points = points.assign_attrs(starts_json=json.dumps({"any": "random"}))
+    taking = {"what": "share", "of": "periodic", "over": ["initial"]}
+    (ax,) = draw(points, figure("curve", variable="attractor", take=taking)).axes
+    ends = [line[:, 1] for one in ax.collections for line in one.get_segments() if len(line)]
+    error = np.sqrt(0.55 * 0.45 / 20)
+    assert np.isclose(ends, [0.5 - error, 0.6 + error]).all(axis=1).sum() == 2
 
 
 def test_a_line_of_a_curve_without_any_value_is_said_to_have_none():

@@ -234,6 +234,21 @@ def fluttering(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Any]:
     return read_analyses(path), cycles
 
 
+def test_a_point_without_a_branch_leaves_the_others_in_a_diagram(tmp_path: Path) -> None:
+    """One that came to rest has no cycle; the diagram is that of what there is."""
+    rest = '[[initial]]\nkind = "equilibrium"\nlabel = "rest"\n'
+    speeds = "[grid]\nv = { start = 0.5, stop = 4.5, num = 5 }\n"
+    branch = TWO.replace("[[analysis]]", f"{rest}[[analysis]]") + BRANCH
+    sources = []
+    for name, case in (("d", TWO.replace("[grid]\n", speeds) + DIAGRAM), ("b", branch)):
+        path = tmp_path / f"{name}.nc"
+        run_case(parse_case(case, "c.toml"), path, Policy(workers=1), for_stderr(quiet=True))
+        sources.append((name, read_analyses(path)))
+    (ax,) = draw(sources, FigureSpec("diagram", "bifurcation", {"x": "v"})).axes
+    assert [line for line in ax.lines if "stable cycle" in str(line.get_label())]
+    draw(sources[1][1], FigureSpec("alone", "branch", {}))
+
+
 def test_equilibria_change_where_a_branch_ends_at_one(fluttering: tuple[Any, Any]) -> None:
     """Not midway between the points of the grid, where no critical value is drawn with them."""
     found, cycles = fluttering

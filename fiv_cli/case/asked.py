@@ -184,7 +184,10 @@ def _check_of_which(names: Sequence[str], held: Held, place: Path, report: Repor
     ]
     if len(homes) > 1:
         message = f"{len(homes)} analyses compute {listed(names)}, and a figure shows that of one"
-        report.add((*place[:-1], "analysis"), message, listed(homes), f'analysis = "{homes[-1]}"')
+        several = "; of both, a case for each, since several files share a curve: fiv plot --help"
+        report.add(
+            (*place[:-1], "analysis"), message, listed(homes), f'analysis = "{homes[-1]}"{several}'
+        )
 
 
 def _check_phase(

@@ -56,7 +56,7 @@ INSTEAD = {"contact": "select = { contact = NUMBER }"}
 FIGURES = {
     "map": (
         "a variable over two axes: classes in colours, numbers in shades or as lines",
-        ("x", "y", "variable", "take", "level", "overlay"),
+        ("x", "y", "variable", "take", "level", "overlay", "zlabel"),
     ),
     "basin": (
         "starts over two of their states, coloured by what they reach, and where they rest",

@@ -438,6 +438,9 @@ class FigureTable(Table):
     xlim: Interval | None = Field(default=None, description="range of x")
     ylim: Interval | None = Field(default=None, description="range of y")
     xlabel: str | None = Field(default=None, description="label of x, in place of its own")
+    zlabel: str | None = Field(
+        default=None, description="map: label of its colour bar, in place of its own"
+    )
     ylabel: str | None = Field(default=None, description="label of y, in place of its own")
     unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit: Hz or rad/s")
     resolution: Quantity | None = Field(

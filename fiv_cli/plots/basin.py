@@ -19,6 +19,7 @@ from fiv_cli.plots import drawn, labels, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import shares
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
+from fiv_cli.reading.over_starts import tolerance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +31,7 @@ FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
 STAR = 8.0  # size of the mark of an equilibrium, pt
 SAME = 1e-6  # of the greatest: places of rest that differ by less are one
+OF_CYCLES = ("o", "+", "^", "D", "v")  # where a class has several
 MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
 
 
@@ -118,11 +120,14 @@ def _label(dataset: xr.Dataset, name: str) -> str:
 def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str], told: Mapping[str, str]) -> None:
     """The starts of one panel, and where they rest; the legend says what is `told` of classes."""
     x, y = (part[STARTS].sel(state=name).values for name in names)
-    reached = class_names(part["attractor"])
-    marks = dict(zip(flag_names(part["attractor"].attrs).values(), MARKS, strict=False))
-    table = [name for name in marks if name in reached]
+    reached = _motions(part)
+    classes = dict(zip(flag_names(part["attractor"].attrs).values(), MARKS, strict=False))
+    table = [name for name in classes if name in reached]
+    cycles = [name for name in np.unique(reached).tolist() if name not in classes]
+    colours = style.class_colours([*table, *cycles])
+    marks = classes | dict(zip(cycles, OF_CYCLES, strict=False))
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
-    for name, colour in zip(table, style.class_colours(table), strict=True):
+    for name, colour in zip([*table, *cycles], colours, strict=True):
         mask, label = reached == name, _words(name)
         look: dict[str, Any] = {"color": colour, "marker": marks[name], "lw": 0.5}
         starts = ax.scatter(
@@ -137,6 +142,28 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str], told: Mapping[s
     if rests.size:  # the starts beneath are seen through it
         ax.plot(*rests.T, "*", ms=STAR, mfc="none", mec=style.BLACK, mew=0.8, zorder=3.5,
                 label="where they rest")  # fmt: skip
+
+
+def _motions(part: xr.Dataset) -> np.ndarray:
+    """What each start reaches: its class or, of a few cycles of one class, by its period."""
+    reached = class_names(part["attractor"]).astype(object)
+    is_cycle = (reached == "periodic") & np.isfinite(part["L_s"].values if "L_s" in part else 0.0)
+    if "period" not in part or not is_cycle.any():
+        return reached
+    size = part["L_s"].values[is_cycle]
+    order = np.argsort(size)
+    step = np.diff(size[order]) > tolerance(part) * size[order][1:]
+    number = np.zeros(size.size, int)
+    number[order] = np.append(0, np.cumsum(step))
+    if 0 < number.max() < len(OF_CYCLES):
+        periods = part["period"].values[is_cycle]
+        firsts = [labels.number_text(float(f"{periods[number == n][0]:.4g}"))
+                  for n in range(number.max() + 1)]  # fmt: skip
+        told = [f"periodic, $T$ = {one} s" for one in firsts]
+        if len({*told}) < len(told):
+            told = [f"{one}, cycle {n}" for n, one in enumerate(told, 1)]
+        reached[is_cycle] = np.array(told, object)[number]
+    return reached
 
 
 def _rests(part: xr.Dataset, names: tuple[str, str]) -> np.ndarray:
@@ -158,7 +185,7 @@ def _shares(dataset: xr.Dataset, index: Mapping[str, int]) -> dict[str, str]:
 
     Of starts that are no random sample it is a count: ``124 of 200``.
     """
-    reached = class_names(dataset["attractor"].isel(index))
+    reached = _motions(dataset.isel(index))
     names, counts = np.unique(reached[reached != NOT_COMPUTED].astype(str), return_counts=True)
     total, sample = int(counts.sum()), _is_sample(dataset)
     found = {}

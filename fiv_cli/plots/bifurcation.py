@@ -102,8 +102,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
 def _start_of(diagram: xr.Dataset) -> str:
     """What the only dots of a diagram are called."""
-    named = "initial" in diagram.coords
-    return f"start: {diagram['initial'].item()}" if named else "section values"
+    alone = diagram.sizes.get("initial", 1) == 1 and "initial" in diagram.coords
+    return f"start: {diagram['initial'].item()}" if alone else "section values"
 
 
 @dataclass(frozen=True)

@@ -220,6 +220,8 @@ def stretches(
     stability changes: at what was bisected, between two cycles that pass as often.
     """
     row, ends = _rows(dataset, ALONG, index), _rows(dataset, "cycle_end", index)
+    if not _length(dataset, index):
+        return
     cycles = np.vstack(_heights(dataset, index, at_section))
     stability = _seen(class_names(dataset["branch_stable"])[row], cycles)
     counts = np.isfinite(cycles).sum(axis=0)  # another one: no value goes on from one to the next
@@ -229,7 +231,7 @@ def stretches(
     smooth = np.isin(_kinds(dataset)[ends], SMOOTH)
     alike = [at for at in changes if counts[at - 1] == counts[at]]
     met = {at: _between(cycles[:, at - 1], cycles[:, at], known, smooth) for at in alike}
-    for begin, end in pairwise([0, *changes, len(stability)] if len(stability) else []):
+    for begin, end in pairwise([0, *changes, len(stability)]):
         joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
         value, *extremes = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
         yield str(stability[begin]), value, extremes

@@ -6,7 +6,7 @@ Variables of one unit share a panel.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise, product
 from typing import TYPE_CHECKING, Any
 
@@ -98,6 +98,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             else _of_branches(layer, name, axis) or _without_axis(layer, name, dataset, axis)
         )
     ]
+    drawn = _with_own_words(drawn)
     anything = any(np.isfinite([curve.y, *curve.ends]).any() for _, curve in drawn)
     points.refuse_empty(dataset, anything, names[0])
     figure, axes = style.new_panels(len(panels), 1, points.title(dataset), sharex=True)
@@ -111,6 +112,17 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     told = "undecided" if names == ["attractor"] else ""
     points.dress(axes, along, settings, told)
     return figure
+
+
+def _with_own_words(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
+    """The same (panel, line), with words for those that have no value in any panel."""
+    known = {one.label for _, one in drawn if np.isfinite([one.y, *one.ends]).any()}
+    return [
+        (place, one)
+        if not one.label or one.label in known or one.of_crossings
+        else (place, replace(one, label=f"{one.label}: no value"))
+        for place, one in drawn
+    ]
 
 
 def _refuse_without(layer: points.Layer, names: Sequence[str]) -> None:
@@ -171,6 +183,10 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
     _plot_unsure(ax, curve, shift, entry)
     off = np.where(np.isfinite(curve.error), curve.error, np.nan)
+    bounded = curve.is_wide & np.isfinite(curve.ends).all(axis=0) & (off > 0.0)
+    low, high = (np.where(bounded, end, 0.0) for end in curve.ends)
+    y = np.where(bounded, 0.5 * (low + high) + shift, y)
+    off = np.where(bounded, off + 0.5 * (high - low), off)  # beyond both of what may be
     if np.nan_to_num(off).any():
         bars = ax.errorbar(curve.x, y, off, fmt="none", ecolor=entry.colour, lw=0.8, capsize=CAP)
         _, caps, (lengths,) = bars.lines
@@ -296,7 +312,6 @@ def _curves(
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
         jumps = (np.flatnonzero(apart) + 1).tolist()
         label = points.joined(words, layer.label, line.label)
-        label += ": no value" * bool(label and not np.isfinite([y, *ends]).any())
         curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps))
     return curves
 

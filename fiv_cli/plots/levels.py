@@ -28,6 +28,10 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 ROOM = 1.5  # between levels written on lines, and at the ends of these, in lengths of the writing
+ALIKE = (
+    0.4  # of the half of what is written: a line of another level that is so near is one with it
+)
+PAD = 0.25  # around a level that is written, in heights of its letters
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
@@ -91,6 +95,7 @@ def draw(
 
     Each that is long enough has its level written on it, if they are `named`.
     """
+    drawn = []
     for level, dashes in zip(levels, styles, strict=False):
         for plane in planes:
             if not _beside(plane, level):
@@ -99,22 +104,34 @@ def draw(
                     linewidths=1.5,
                 )  # fmt: skip
                 lines.set_label(points.unlisted(label, _words(array, level)))
-                if named:
-                    _name(ax, lines, level)
+                drawn.append((lines, level))
+    for lines, level in drawn if named else ():
+        _name(ax, lines, level, [one for one, of in drawn if of != level])
 
 
-def _name(ax: Axes, lines: QuadContourSet, level: float) -> None:
-    """Write the level on each piece of its lines that has room beside what is written already."""
+def _name(ax: Axes, lines: QuadContourSet, level: float, others: Sequence[QuadContourSet]) -> None:
+    """Write the level on each piece of its lines that has room beside what is written already.
+
+    There it reaches over no side of the panel, and its line runs apart from those of other levels.
+    """
     size, text = mpl.rcParams["legend.fontsize"], labels.number_text(level)
-    room = ROOM * style.longest([text]) * style.LETTER * size * ax.figure.dpi / style.POINTS
+    height = size * ax.figure.dpi / style.POINTS
+    box = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
+    room = 2.0 * ROOM * (box[0] - PAD * height)
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
     pixels = ax.transData.transform
+    low, high = ax.bbox.min + box, ax.bbox.max - box
+    of_others = [pixels(piece) for one in others for piece in one.allsegs[0] if len(piece)]
+    elsewhere = np.concatenate([np.zeros((0, 2)), *of_others])
     taken = [pixels(one.get_position()) for one in ax.texts]
     chosen = []
     for piece in lines.allsegs[0]:
         along = pixels(piece)
         full = np.array([along[0], along[-1], *taken])
         apart = np.linalg.norm(along[:, None] - full, axis=-1).min(axis=1)
+        apart[((along < low) | (along > high)).any(axis=1)] = 0.0
+        hidden = (np.abs(along[:, None] - elsewhere) < ALIKE * box).all(axis=-1).any(axis=1)
+        apart[hidden] = 0.0
         if apart.max() > room:
             chosen.append(piece[apart.argmax()])
             taken.append(along[apart.argmax()])

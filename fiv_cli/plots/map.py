@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 MOST_PANELS = 6
 MOST_COLUMNS = 3
+SIDE = 6  # letters beside a panel that its ticks take
+MOST_FOLDED = 1.5  # lines that a label of one of several panels may take, else its symbol alone
 HATCH = "////"
 MOST_COUNTS = 12  # that have a shade each
 MIDDLE = "undecided points: middle of least and greatest"
@@ -320,6 +322,9 @@ def _dress(ax: Axes, number: int, columns: int, planes: _Planes) -> None:
     ax.grid(False)
     if number + columns >= len(planes.panels):  # nothing below it
         points.dress_axis(ax, planes.axes[0], "x")
+        room = style.letters(ax.figure.figure) // columns - SIDE
+        if columns > 1 and style.longest([ax.get_xlabel()]) > MOST_FOLDED * room:
+            ax.set_xlabel(labels.short_label(planes.axes[0]))
         ax.tick_params(labelbottom=True)
     if number % columns == 0:
         points.dress_axis(ax, planes.axes[1], "y")
@@ -369,8 +374,7 @@ def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
     kinds = [kind for kind, mask in reasons.items() if bool((mask & ~known).any())]
     if "computed" in dataset:
         filled = int((is_class(dataset["computed"], ("filled_in",)) & ~known).sum())
-        told = f"{filled} not run, only the class filled in (fiv show: what runs them)"
-        kinds += [told] * (filled > 0)
+        kinds += [f"{filled} of which only the class was filled in"] * (filled > 0)
     return ", ".join(kinds)
 
 
@@ -401,7 +405,7 @@ def _paint_numbers(
     *,
     logarithmic: bool,
 ) -> None:
-    values = numbers(planes.array).where(planes.computed)
+    values = _with_rests(planes, numbers(planes.array).where(planes.computed))
     known = values.values[np.isfinite(values.values)]
     low, high = _ends(known, logarithmic)
     counts = np.arange(low, high + 1.0)
@@ -431,6 +435,18 @@ def _paint_numbers(
     told = [*handles, *_mark_undecided(axes, planes, values.notnull())]
     if missing or told:
         legend_below(figure, told, missing)
+
+
+def _with_rests(planes: _Planes, values: xr.DataArray) -> xr.DataArray:
+    """The values, and 0 where a rest was filled in, of what is 0 at all rests that were run."""
+    if "computed" not in planes.dataset or "attractor" not in planes.dataset:
+        return values
+    resting = is_class(planes.dataset["attractor"], ("equilibrium",))
+    at_rest = values.where(resting & planes.computed)
+    ran = at_rest.notnull() | ~(resting & planes.computed)
+    if bool(ran.all()) and bool((at_rest == 0.0).any()) and not bool((at_rest > 0.0).any()):
+        return values.where(~(resting & filled_in(planes.dataset, "attractor")), 0.0)
+    return values
 
 
 def _norm(low: float, high: float, *, logarithmic: bool, counted: bool) -> Normalize:

@@ -56,6 +56,7 @@ class Settings(TypedDict, total=False):
     xlim: tuple[float | str, float | str]
     ylim: tuple[float | str, float | str]
     xlabel: str
+    zlabel: str
     ylabel: str
     unit: str
     resolution: float | str
@@ -264,6 +265,9 @@ def relabel(figure: Figure, settings: Settings) -> None:
         for ax, word in zip(panels, words, strict=True):
             if key in settings and word and word == first:
                 ax.set(**{key: settings[key]})
+    for ax in figure.axes if "zlabel" in settings else ():
+        if ax not in panels:
+            ax.set_ylabel(settings["zlabel"])
 
 
 def in_si(value: float | str) -> float:

@@ -83,6 +83,7 @@ LONGEST_TEXT = 600  # characters
 TITLE_LETTERS = 92  # in a figure of one panel on a screen
 MARKUP = re.compile(r"\\[A-Za-z]+|[{}$_^]")
 POINTS = 72.0  # an inch
+FEWEST_TICKS = 3  # steps between them, on an axis of any length
 TICK_LETTERS = 9  # that a tick and the gap beside it take
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
 KEY, STAR_KEY = 4.5, 8.0  # sizes of the marks in legends, pt
@@ -499,7 +500,7 @@ def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
     beside, upright = _room(ax)
     locator = ax.xaxis.get_major_locator()
     if isinstance(locator, AutoLocator):
-        locator.set_params(nbins=max(2, min(9, beside // TICK_LETTERS)))
+        locator.set_params(nbins=max(FEWEST_TICKS, min(9, beside // TICK_LETTERS)))
     above = "\n".join(_folded(one, beside) for one in title.splitlines())
     below = _folded(xlabel, beside)
     ax.set(title=above, xlabel=below, ylabel=_folded(ylabel, upright))

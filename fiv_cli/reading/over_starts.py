@@ -82,7 +82,7 @@ def _another(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     is_cycle = is_class(dataset["attractor"], ("periodic",))
     of_cycles = dataset.get("L_s", xr.zeros_like(is_cycle, float)).where(is_cycle)
     several = of_cycles.notnull().sum("initial") > 1
-    return several, _spread(of_cycles) > _tolerance(dataset) * of_cycles.max("initial")
+    return several, _spread(of_cycles) > tolerance(dataset) * of_cycles.max("initial")
 
 
 def _elsewhere(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
@@ -92,7 +92,7 @@ def _elsewhere(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     greatest = [n for n in map(str, dataset) if n.endswith("_max") and not n.endswith("_dot_max")]
     for name in greatest:
         at_rest = dataset[name].where(is_stuck)
-        elsewhere |= _spread(at_rest) > _tolerance(dataset) * abs(dataset[name]).max()
+        elsewhere |= _spread(at_rest) > tolerance(dataset) * abs(dataset[name]).max()
     return is_stuck.sum("initial") > 1, elsewhere
 
 
@@ -100,8 +100,8 @@ def _spread(values: xr.DataArray) -> xr.DataArray:
     return values.max("initial") - values.min("initial")
 
 
-def _tolerance(dataset: xr.Dataset) -> float:
-    """Relative; what differs by more is another."""
+def tolerance(dataset: xr.Dataset) -> float:
+    """Relative: a motion whose L_s differs by more is another."""
     return ANOTHER * float(json.loads(dataset.attrs["solver_json"])["rtol"])
 
 

@@ -209,7 +209,8 @@ def run_motion(
         period, state = run.steady_state()
         if steady.periods is not None:
             reached = str((state.carry or {}).get("attractor", ""))
-            settings = _over_periods(settings, period, steady.periods, reached)
+            cycles = any(spec.kind == "cycle" for spec in point.case.analyses)
+            settings = _over_periods(settings, period, steady.periods, reached, cycles)
     alone = run.plan("history", {**_settings(point.case), **settings})
     if steady is not None and steady.settled:
         alone = _continued(alone)
@@ -402,14 +403,21 @@ def _continued(alone: AnalysisPlan) -> AnalysisPlan:
     return replace(alone, template=replace(alone.template, entries=entries))
 
 
+OF_ITS_CYCLE = (
+    "; of the cycle that its `cycle` found, which may be unstable, a [[initial]] of kind `state` "
+    "at `cycle_section` (fiv show FILE.nc --csv 'cycle_section[*],cycle_period'), with t_end its "
+    "period"
+)
+
+
 def _over_periods(
-    settings: Mapping[str, float], period: float, periods: float, reached: str
+    settings: Mapping[str, float], period: float, periods: float, reached: str, cycles: bool
 ) -> Mapping[str, float]:
     """The settings of a history over so many periods of the class of motion that is reached."""
     if not np.isfinite(period):
         raise UsageError(
             f"--periods: the steady state has no period: its class is {reached}\n"
-            "next: --settled --t-end TIME, or another point"
+            f"next: --settled --t-end TIME, or another point{OF_ITS_CYCLE * cycles}"
         )
     return {"sample": period / SAMPLES_A_PERIOD, **settings, "t_end": periods * period}
 
