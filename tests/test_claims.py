@@ -331,6 +331,20 @@ def test_of_values_that_may_be_off_a_verdict_holds_wherever_they_lie(pairs, expe
     assert take or {told} == exact or len(exact) > 1
 
 
+def test_a_place_along_one_axis_is_held_against_the_values_of_another():
+    """L_s has its peak where Omega is N0, but for the last N0, whose peak is at the first Omega."""
+    speeds = preloads = np.array([1.0, 2.0, 3.0, 4.0])
+    size = -np.abs(speeds[:, None] - preloads)
+    size[0, -1] = 1.0
+    axes = data.axes(Omega=speeds, N0=preloads)
+    points = data.response(np.full((4, 4), "periodic", object), size, axes)
+    peak = {"what": "peak", "over": ["Omega"]}
+    equal = {"value": "N0", "tolerance": 1e-9}
+    told = data.tried(points, "L_s", equal, take=peak)
+    assert (told.verdict, told.hits, told.points) == (CONTRADICTED, 3, 4)
+    assert "not at N0 = 4" in told.found
+
+
 def test_what_is_not_known_well_enough_says_what_lessens_the_error():
     told = '{"b": {"settings": {"%s": 1}}}'
     near = boundary([5.9], [0.2]).assign_attrs(analyses_json=told % "width")

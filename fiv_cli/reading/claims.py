@@ -645,7 +645,8 @@ def _bound(bound: Bound, at: Mapping[str, Any], values: _Values, stored: Stored)
     except select.SelectionError as error:
         whose = bound.case or bound.analysis or bound.variable
         raise select.SelectionError(f"what is compared with, {whose}: {error}") from None
-    known = ~unknown_points(part, variable, False)
+    # an axis has its values whatever becomes of the points there
+    known = variable in part.coords or ~unknown_points(part, variable, False)
     told = (*ends_of(part, variable), _errors(part, variable))
     arrays = (_at_points_of(bound.times * one.where(known), values.rows, own) for one in told)
     return _Numbers(*(np.asarray(one.values.ravel()[values.row]) for one in arrays))
