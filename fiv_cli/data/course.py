@@ -12,7 +12,7 @@ RECENT = 60.0
 """Seconds of which a rate is taken at the least; of a long run it is the later half."""
 
 
-FEW = 5  # points that say nothing of others: of each of several analyses there may be one
+FEW = 2  # fewer points say nothing of others, which may be of another analysis
 EARLY = 0.1  # share of the points done below which they say little of the others
 YOUNG = 20.0  # seconds in which these few tell nothing at all
 LATE = 16  # the last instants, whose longest distance says until when nothing new is no delay
