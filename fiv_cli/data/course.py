@@ -12,7 +12,6 @@ RECENT = 60.0
 """Seconds of which a rate is taken at the least; of a long run it is the later half."""
 
 
-FEW = 2  # fewer points say nothing of others, which may be of another analysis
 EARLY = 0.1  # share of the points done below which they say little of the others
 YOUNG = 20.0  # seconds in which these few tell nothing at all
 LATE = 16  # the last instants, whose longest distance says until when nothing new is no delay
@@ -68,8 +67,7 @@ class Course:
     def left(self, now: float) -> float | None:
         """Seconds that the rest takes at this rate; None where nothing tells, or little yet."""
         rate = self.rate(now)
-        few = self.done - self.counts[0] < FEW
-        if rate == 0.0 or few or (self._is_early and self.elapsed(now) < YOUNG):
+        if rate == 0.0 or (self._is_early and self.elapsed(now) < YOUNG):
             return None
         return max(0.0, (self.total - self.done) / rate - (now - self._judged(now)))
 
