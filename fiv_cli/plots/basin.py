@@ -31,7 +31,8 @@ FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
 STAR = 8.0  # size of the mark of an equilibrium, pt
 SAME = 1e-6  # of the greatest: places of rest that differ by less are one
-OF_CYCLES = ("o", "+", "^", "D", "v")  # where a class has several
+# Marks of cycles where there are several, and their colours, which no other class has.
+OF_CYCLES = {"o": style.ORANGE, "+": style.BLUE, "^": style.BLACK, "D": style.PURPLE}
 MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
 
 
@@ -124,10 +125,10 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str], told: Mapping[s
     classes = dict(zip(flag_names(part["attractor"].attrs).values(), MARKS, strict=False))
     table = [name for name in classes if name in reached]
     cycles = [name for name in np.unique(reached).tolist() if name not in classes]
-    colours = style.class_colours([*table, *cycles])
     marks = classes | dict(zip(cycles, OF_CYCLES, strict=False))
+    colours = [*style.class_colours(table), *OF_CYCLES.values()]
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
-    for name, colour in zip([*table, *cycles], colours, strict=True):
+    for name, colour in zip([*table, *cycles], colours, strict=False):
         mask, label = reached == name, _words(name)
         look: dict[str, Any] = {"color": colour, "marker": marks[name], "lw": 0.5}
         starts = ax.scatter(
