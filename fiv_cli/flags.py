@@ -128,7 +128,8 @@ REASONS: tuple[Reason, ...] = (
     Reason("stuck", "what sticks holds all and nothing moves: an equilibrium, but not of sliding"),
     Reason(
         "no_drive",
-        "the drive of a contact stands still, so not all contacts slide at rest: give each a speed",
+        "the drive of a contact stands still, so not all contacts slide at rest: give each a "
+        "speed; where that is meant, ask in a case of its own, without these points",
     ),
     Reason(
         "contact_would_pull",
@@ -165,8 +166,8 @@ REASONS: tuple[Reason, ...] = (
         "no_cycle",
         "Newton's method found no periodic motion near what the start leads to, at the case's own "
         "value of the parameter that is followed: where it comes to rest "
-        "move that value, or the start; else start nearer to it (to an unstable one with a t_max "
-        "of a few of its periods), or give its multiplicity",
+        "move that value, or the start; else start nearer to it (an unstable one lies on the "
+        "border between two basins; t_max: a few of its periods), or give its multiplicity",
     ),
     Reason(
         "outside_bracket",

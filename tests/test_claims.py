@@ -19,6 +19,7 @@ from synthetic_datasets import claim, tried
 from fiv_cli import api
 from fiv_cli.case.kinds import CLAIMS
 from fiv_cli.cli.claims import Entry, case_files, command, lines
+from fiv_cli.cli.main import run as fiv
 from fiv_cli.errors import UsageError
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import (
@@ -836,6 +837,20 @@ def test_a_dataset_of_another_grid_counts_for_nothing(workplace):
     result = run("stick.toml")
     assert "not run" in result.output
     assert "another grid" in result.output
+
+
+def test_an_analysis_without_starts_has_not_the_axes_of_these(tmp_path, monkeypatch):
+    """A lattice of starts beside the equilibria of the case is no other grid."""
+    monkeypatch.chdir(tmp_path)
+    kinds = "".join(f'[[analysis]]\nkind = "{kind}"\n' for kind in ("response", "equilibrium"))
+    lattice = '[grid]\n"initial.x" = [0.0, 1.0]\n[[initial]]\nkind = "state"\n'
+    told = '[[claim]]\nsource = "a"\ntext = "b"\nvariable = "attractor"\nexpect = "periodic"\n'
+    case = f'schema = 1\n[model]\nname = "belt-1dof"\n{lattice}{kinds}{told}'
+    Path("lattice.toml").write_text(case)
+    assert fiv(["run", "lattice.toml", "--workers", "1", "-q"]) == 0
+    assert "1 confirmed" in run("lattice.toml").output
+    Path("lattice.toml").write_text(case.replace("[0.0, 1.0]", "[0.0, 2.0]"))
+    assert "another grid" in run("lattice.toml").output
 
 
 def exit_code(result):

@@ -1346,8 +1346,42 @@ def test_of_a_refined_map_rests_that_were_filled_in_are_0_where_all_that_ran_are
         dims = dataset["attractor"].dims
         dataset["computed"] = data.flags(dims, computed, ("run", "sampled", "filled_in"))
         drawn = draw(dataset.assign_attrs(refined_of="attractor"), figure("map", variable="L_s"))
-        told = [one for one in legend_texts(drawn) if "class was filled in" in one]
+        told = [one for one in legend_texts(drawn) if "filled in (the class alone)" in one]
         assert bool(told) == unknown
+
+
+def test_a_level_between_values_that_lie_apart_has_a_line_without_a_point():
+    """No cell between points is known whole, as where a refined map ran few of them."""
+    dataset = data.stability_map(initial=("reached",))
+    apart = np.zeros(dataset["L_s"].shape, bool)
+    apart[2, 2], apart[6, 6] = True, True
+    dataset["L_s"] = dataset["L_s"].copy(data=1.0 + np.arange(apart.size).reshape(apart.shape))
+    dataset["L_s"] = dataset["L_s"].where(apart)
+    level = float(dataset["L_s"].mean())
+    drawn = draw(dataset, figure("map", variable="L_s", level=level))
+    assert [len(piece) for piece in drawn.findobj(ContourSet)[0].allsegs[0]] == [0]
+    assert not drawn.axes[0].texts
+
+
+def test_files_of_one_figure_take_each_over_axes_of_its_own():
+    """The share of random starts, and that of a lattice, at each speed."""
+    drawn, lattice = data.basin(), data.basin()
+    drawn = drawn.assign_attrs(starts_json=json.dumps({"any": "random"}))
+    lattice = lattice.drop_vars("initial_state").assign_coords(initial=np.arange(200.0))
+    lattice = lattice.rename(initial="initial_x").expand_dims(initial=["plane"])
+    taking = {"what": "share", "of": "periodic"}
+    figures = [
+        figure("curve", variable="attractor", take=taking | {"over": [over]})
+        for over in ("initial", "initial.x")
+    ]
+    files = [
+        (name, one.assign_attrs(data.attributes(own) | {"starts_json": one.attrs["starts_json"]}))
+        for name, one, own in zip(("drawn", "lattice"), (drawn, lattice), figures, strict=True)
+    ]
+    for own, order in ((figures[0], files), (figures[1], files[::-1])):
+        (ax,) = draw(order, own).axes
+        lines = [marks(ax, name) for name in ("drawn", "lattice")]
+        assert np.allclose(*lines)
 
 
 def test_a_level_without_a_line_has_no_entry_in_the_legend():
@@ -1595,6 +1629,18 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
         speed, value = np.array(rising.get_data())[:: -1 if turned else 1]
         assert value == pytest.approx(4.0 * speed)
     assert "critical value of $N_{0}$" in legend_texts(drawn)
+    rows = as_csv(drawn, Path("a.csv")).splitlines()[1:]  # though the rest of the figure is a plane
+    assert any(",critical value of N_0," in row for row in rows)
+    for first, count in ((0, 1), (1, 0)):  # the mode that turns unstable where all were stable
+        growing = {
+            "unstable_below": 2 * (modes != first),
+            "unstable_above": 2 + 2 * (modes != first),
+        }
+        beyond = crit.assign({name: (("Omega", "crossing"), of) for name, of in growing.items()})
+        beyond.to_netcdf(f"runs/beyond-{first}.nc")
+        line = {f"beyond-{first}:critical_value": "N0"}
+        borders = draw(response, figure("map", **axes, level=line))
+        assert len(borders.axes[0].lines) == count
     low = crit.assign(critical_value=crit["critical_value"].copy(data=values - 500.0))
     low.to_netcdf("runs/low.nc")
     drawn = draw(response, figure("map", level={"low:critical_value": "N0"}))
@@ -1755,7 +1801,7 @@ def test_a_map_counts_the_filled_in_points_of_what_it_shows():
     chosen = {"x": "mu_k", "y": "Omega", "variable": "L_s", "select": {"N0": 2.0}}
     drawn = draw(found, figure("map", **chosen))
     (told,) = (text for text in legend_texts(drawn) if "filled in" in text)
-    assert "3 of which only the class" in told
+    assert "3 filled in (the class alone)" in told
     assert "50.0% of 6 points run, 0 of 1 sampled mislabelled" in drawn.get_suptitle()
 
 

@@ -304,7 +304,7 @@ def test_the_map_is_drawn_whole_and_says_how_much_was_run(tmp_path: Path) -> Non
     (legend,) = numbers.legends
     (told,) = [text.get_text() for text in legend.get_texts()]
     filled = 4290 - refined.attrs["points_run"]
-    assert told == f"no value: {filled} of which only the class was filled in"
+    assert told == f"no value: {filled} filled in (the class alone)"
     assert not points.gaps(refined)
 
 

@@ -119,10 +119,10 @@ def _check_levels(
         report.add(at, message, f"{MOST_LINES} levels, or a figure for each few")
     known = _known(case, held, None, with_motions=False)
     taken = figure.settings.get("take", {}).get("what")
-    axes = set()
+    axes = {"crossing"} if any(isinstance(own, str) for own in of.values()) else set()
     for name in [name for name in of if known and name != taken and ":" not in name]:
         place = (*at, name) if isinstance(said, dict) else at
-        if isinstance(of[name], str):
+        if isinstance(of[name], str):  # found over the other axis: in a case that has not this one
             message = f"the line where {of[name]} has the value of {name!r} needs another case"
             report.add(place, message, '"CASE:VARIABLE" = "AXIS", found along the other axis')
         elif _check(name, known, place, report):

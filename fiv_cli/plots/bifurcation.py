@@ -336,10 +336,15 @@ def _turns(diagram: xr.Dataset, observed: str) -> bool:
 
 
 def _refuse_of_none(layers: Sequence[points.Layer], shown: Sequence[points.Layer]) -> None:
-    """EmptyFigureError where a branch comes with diagrams none of which is of its parameters."""
+    """EmptyFigureError of a branch that is none, or with no diagram of its parameters."""
     for layer in layers:
         if not branch.suits(layer.dataset):
             continue
+        if not layer.dataset[branch.ALONG].size:
+            raise EmptyFigureError(
+                f"{layer.label}: no cycle was found, so there is no branch to lay over them\n"
+                "next: fiv show FILE.nc says why; the diagram alone: fiv plot of its file"
+            )
         if all(_of_the_same(layer.dataset, one.dataset) is None for one in shown):
             raise EmptyFigureError(
                 f"the branch {layer.label} is of other parameters than the bifurcation diagrams\n"

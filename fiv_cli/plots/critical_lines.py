@@ -1,7 +1,8 @@
 """Lines of a map where one axis has the value that another case found along the other.
 
 The critical value of mu_k over Omega, say, on a map over Omega and mu_k: to rounding, not to half a
-step of the map as the line at which a growth rate is zero between its points.
+step of the map as the line at which a growth rate is zero between its points. Where more modes turn
+unstable beyond that, no border lies.
 """
 
 from __future__ import annotations
@@ -99,7 +100,18 @@ class CriticalLines:
                 "next: choose from further ones with `select` in the figure, or give its case the "
                 "axis that it lacks"
             )
-        return single
+        return self._of_the_border(single)
+
+    def _of_the_border(self, values: xr.DataArray) -> xr.DataArray:
+        """Of several crossings those at which the equilibrium itself turns stable or unstable."""
+        sides = [
+            self.dataset[side]
+            for side in ("unstable_below", "unstable_above")
+            if side in self.dataset
+        ]
+        if values.sizes.get("crossing", 1) == 1 or not sides:
+            return values
+        return values.where((sides[0] <= 0) | (sides[-1] <= 0))
 
 
 def _is_inside(piece: Piece, ends: Sequence[tuple[float, float]]) -> bool:

@@ -200,8 +200,12 @@ def draw(
     settings = _checked(figure)
     if "take" in settings:
         layers = [
-            replace(one, dataset=_taken(one.dataset, settings), beside=(one.dataset, *one.beside))
-            for one in layers
+            replace(
+                one,
+                dataset=_taken(one.dataset, _checked(_with_own_take(figure, held))),
+                beside=(one.dataset, *one.beside),
+            )
+            for one, (_, held) in zip(layers, analyses, strict=True)
         ]
         settings = {**settings, "variable": settings["take"]["what"]}
     asked = [
@@ -222,6 +226,18 @@ def _checked(figure: FigureSpec) -> Settings:
     checked: Any = figure.settings  # by `FigureTable`, where the case or the dataset was read
     settings: Settings = checked
     return settings
+
+
+def _with_own_take(figure: FigureSpec, analyses: dict[str, xr.Dataset]) -> FigureSpec:
+    """The figure with what a file's own of that name takes: the same, but of axes of its own."""
+    named = (
+        one for one in figures_in(analyses) if (one.name, one.kind) == (figure.name, figure.kind)
+    )
+    own = next(named, figure).settings
+    if own.get("take", {}).get("what") != figure.settings["take"]["what"]:
+        return figure
+    kept = {key: own[key] for key in ("take", "variable") if key in own}
+    return replace(figure, settings={**figure.settings, **kept})
 
 
 def _taken(dataset: xr.Dataset, settings: Settings) -> xr.Dataset:

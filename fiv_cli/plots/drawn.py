@@ -53,9 +53,9 @@ def as_csv(figure: Figure, path: Path) -> str:
 
     Raises
     ------
-    UsageError : the figure paints a plane, and there are no lines on it at a level
+    UsageError : the figure paints a plane, and there are no lines on it
     """
-    if figure.findobj(QuadMesh) and not figure.findobj(ContourSet):
+    if figure.findobj(QuadMesh) and not _has_lines(figure):
         raise UsageError(
             f"{path}: not written: a table of points and lines, and this figure is a plane\n"
             "next: the variable that it shows, as fiv show FILE.nc --csv VARIABLE -o FILE.csv"
@@ -75,6 +75,15 @@ def as_csv(figure: Figure, path: Path) -> str:
         for remark in _remarks(ax):
             writer.writerow([*panel, remark, "", "", ""])
     return table.getvalue()
+
+
+def _has_lines(figure: Figure) -> bool:
+    """Whether lines lie on a plane: at a level, or where another case found them."""
+    lines = (line for ax in figure.axes for line in ax.lines)
+    drawn = any(
+        line.get_linestyle() != "None" and len(np.ravel(line.get_xdata())) for line in lines
+    )
+    return bool(figure.findobj(ContourSet)) or drawn
 
 
 def _remarks(ax: Axes) -> Iterator[str]:

@@ -121,11 +121,11 @@ def _name(ax: Axes, lines: QuadContourSet, level: float, others: Sequence[QuadCo
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
     pixels = ax.transData.transform
     low, high = ax.bbox.min + box, ax.bbox.max - box
-    of_others = [pixels(piece) for one in others for piece in one.allsegs[0] if len(piece)]
+    of_others = [pixels(piece) for one in others for piece in _pieces(one)]
     elsewhere = np.concatenate([np.zeros((0, 2)), *of_others])
     taken = [pixels(one.get_position()) for one in ax.texts]
     chosen = []
-    for piece in lines.allsegs[0]:
+    for piece in _pieces(lines):
         along = pixels(piece)
         full = np.array([along[0], along[-1], *taken])
         apart = np.linalg.norm(along[:, None] - full, axis=-1).min(axis=1)
@@ -137,6 +137,11 @@ def _name(ax: Axes, lines: QuadContourSet, level: float, others: Sequence[QuadCo
             taken.append(along[apart.argmax()])
     for text_ in ax.clabel(lines, fmt={level: text}, fontsize=size, manual=chosen):
         text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
+
+
+def _pieces(lines: QuadContourSet) -> list[np.ndarray]:
+    """The pieces of lines at one level; beside what is not known there are some without a point."""
+    return [piece for piece in lines.allsegs[0] if len(piece)]
 
 
 def _beside(plane: np.ndarray, level: float) -> str:

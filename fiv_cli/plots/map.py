@@ -374,7 +374,7 @@ def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
     kinds = [kind for kind, mask in reasons.items() if bool((mask & ~known).any())]
     if "computed" in dataset:
         filled = int((is_class(dataset["computed"], ("filled_in",)) & ~known).sum())
-        kinds += [f"{filled} of which only the class was filled in"] * (filled > 0)
+        kinds += [f"{filled} filled in (the class alone)"] * (filled > 0)
     return ", ".join(kinds)
 
 

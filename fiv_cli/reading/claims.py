@@ -265,8 +265,10 @@ def of_same_points(analyses: Analyses, case: Case) -> bool:
 
 def _same_grid(case: Case, dataset: xr.Dataset) -> bool:
     """Whether the dataset has just the points that the case asks for."""
-    asked = {axis.dim: np.asarray(axis.values) for axis in case.axes}
-    if "initial" in dataset.dims:
+    from_starts = "initial" in dataset.dims  # else axes of states where starts begin are not its
+    axes = [axis for axis in case.axes if axis.kind != "start" or from_starts]
+    asked = {axis.dim: np.asarray(axis.values) for axis in axes}
+    if from_starts:
         asked["initial"] = np.asarray([label for start in case.starts for label in start.labels])
     return all(
         dim in dataset.coords and np.array_equal(dataset.coords[dim].values, values)

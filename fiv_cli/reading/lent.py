@@ -13,10 +13,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+OF_CRITICAL = {"crossing_mode", "unstable_below", "unstable_above"}
+
+
 def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
     """The variables called ``CASE:VARIABLE``, each in a dataset, under that name.
 
-    Of crossings it holds the modes, too, which tell what belongs together.
+    Of critical values it holds the modes, too, which tell what belongs together, and how many are
+    unstable on either side.
 
     Raises
     ------
@@ -31,5 +35,5 @@ def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
         dataset = next(holding, None)
         if dataset is None:
             raise UsageError(f"{name}: no variable of {path}\nnext: fiv show {path}")
-        kept = ["status", variable, *{"crossing_mode"} & {*dataset} - {variable}]
+        kept = ["status", variable, *OF_CRITICAL & {*dataset} - {variable}]
         yield dataset[kept].rename_vars({variable: name})
