@@ -13,14 +13,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-OF_CRITICAL = {"crossing_mode", "unstable_below", "unstable_above"}
-
-
 def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
     """The variables called ``CASE:VARIABLE``, each in a dataset, under that name.
 
-    Of critical values it holds the modes, too, which tell what belongs together, and how many are
-    unstable on either side.
+    Beside it stands what is told of each of its values: of critical ones the mode, which says what
+    belongs together, and how many are unstable on either side.
 
     Raises
     ------
@@ -35,5 +32,5 @@ def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
         dataset = next(holding, None)
         if dataset is None:
             raise UsageError(f"{name}: no variable of {path}\nnext: fiv show {path}")
-        kept = ["status", variable, *OF_CRITICAL & {*dataset} - {variable}]
-        yield dataset[kept].rename_vars({variable: name})
+        beside = [one for one, of in dataset.items() if of.dims == dataset[variable].dims]
+        yield dataset[list({"status", *beside})].rename_vars({variable: name})
