@@ -779,6 +779,24 @@ def test_the_end_of_stick_slip_is_one_however_closely_it_is_bisected(width: floa
     assert abs(grazing[0] - 0.87243760397) <= grazing[1] <= 1e-7
 
 
+@pytest.mark.parametrize("x", [3.425, 3.43, 3.435, 3.437])
+def test_a_branch_of_unstable_slip_turns_into_stick_slip_from_whichever_start(x: float) -> None:
+    """At the grazing the direction of the branch has no limit; what lies along it tells nothing."""
+    law = {"mu_s": 0.4, "mu_k": 0.2, "alpha": 3.0}
+    found = analyse(
+        "belt-1dof", "exponential", "cycle", {"x": x},
+        {"parameter": Varied("v"), "bracket": (0.7, 1.6), "width": 1e-8, "t_max": 20.0},
+        m=1.0, k=1.0, c=0.5, N=10.0, v=1.1, **law,
+    )  # fmt: skip
+    kinds, ends, errors = (found.ragged[f"cycle_end{of}"] for of in ("_kind", "", "_error"))
+    assert sorted(kinds) == ["bracket", "equilibrium", "grazing"]
+    assert found.values["cycle_lowest"] == 0.7
+    # where 3 N (mu_s - mu_k) exp(-3 v) = c; by DOP853 from the release, at 1e-13
+    order = np.argsort(ends)
+    assert abs(ends[order[1]] - np.log(12.0) / 3.0) <= errors[order[1]] <= 1e-6
+    assert abs(ends[order[2]] - 1.305958392473) <= errors[order[2]] <= 1e-6
+
+
 def cycle_case(
     model: dict[str, Any], friction: dict[str, Any], state: dict[str, str], **analysis: Any
 ) -> Any:

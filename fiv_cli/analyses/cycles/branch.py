@@ -783,11 +783,26 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
             return GRAZING
         if _jumps(line, here, unknowns):
             return GRAZING
-    if here.cycle.largest > UNBOUND:
+    if here.cycle.largest > UNBOUND or _grazes_beside(line, here):
         return GRAZING
     if here.kept and last_digits(here.cycle) > BLURRED * OPEN:
         return AT_REST  # too small for its digits, before the parameter came as close as asked
     return FOLD if abs(here.slope) < UPRIGHT else OTHER
+
+
+def _grazes_beside(line: Continuation, here: Point) -> bool:
+    """Whether motions next to the last cycle have other events, to whichever side.
+
+    At a grazing the direction of the branch may have no limit, and what lies ahead be none of it.
+    """
+    beside = (here.unknowns + BEYOND[0] * way for way in _all_ways(here))
+    passages = (_over_period(line, here, unknowns) for unknowns in beside)
+    return any(one.events != here.cycle.around.events for one in passages)
+
+
+def _all_ways(here: Point) -> Matrix:
+    """Each of the unknowns, up and down."""
+    return np.concatenate([np.eye(len(here.unknowns)), -np.eye(len(here.unknowns))])
 
 
 def _over_period(line: Continuation, here: Point, unknowns: Vector) -> Passage:
@@ -840,7 +855,7 @@ def _round_corner(line: Continuation, here: Point, met: list[Point]) -> Point | 
     """
     for distance in CORNERS:
         tried = {point.cycle.signature for point in (here, *met)}
-        for way in np.concatenate([np.eye(len(here.unknowns)), -np.eye(len(here.unknowns))]):
+        for way in _all_ways(here):
             found = _beyond_corner(line, here, here.unknowns + distance * way)
             if found is None or found.cycle.signature in tried:
                 continue
