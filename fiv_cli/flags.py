@@ -115,10 +115,11 @@ REASONS: tuple[Reason, ...] = (
     Reason("not_converged", "the iteration did not settle: try another start or a smaller step"),
     Reason(
         "tests_disagree",
-        "section points and Lyapunov exponent say different things of the motion: raise t_max "
-        "(tenfold decides some, seldom most, of such points), or choose another section: the "
-        'other event ("stick->slip" for "slip->stick", or the contrary), { zero = "x_dot" } for a '
-        "displacement x, or of another contact, where there is one",
+        "section points and Lyapunov exponent say different things of the motion, as they do where "
+        "chaos is weak or comes and goes: a tenfold t_max decides some, and a few another section: "
+        'the other event ("stick->slip" for "slip->stick", or the contrary), { zero = "x_dot" } '
+        "for a displacement x, or of another contact; the rest stays undecided, and its numbers, "
+        "such as L_s, stand",
     ),
     Reason(
         "chattering",
