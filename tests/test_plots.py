@@ -1695,6 +1695,25 @@ def test_a_basin_has_every_start_at_its_place_in_the_colour_of_what_it_reaches()
     assert one.get_ylabel() == r"initial $\dot{x}$ (m/s)"
 
 
+def test_a_basin_takes_every_point_of_a_lattice_as_a_start():
+    x, x_dot = np.linspace(-1.0, 1.0, 5), np.linspace(0.0, 2.0, 3)
+    coords = data.axes(Omega=[1.0, 2.0], initial_x=x, initial_x_dot=x_dot, initial=["at"])
+    inside = np.hypot(x[:, None], x_dot) < np.array([0.9, 1.9])[:, None, None]
+    reached = np.where(inside, "equilibrium", "periodic").astype(object)[..., None]
+    dataset = data.response(reached, np.zeros(reached.shape), coords)
+    starts = np.stack(np.broadcast_arrays(x[:, None], x_dot), -1)[None, ..., None, :]
+    dataset["initial_state"] = ((*coords, "state"), np.repeat(starts, 2, 0), {"units": "1"})
+    units = ("state", ["m", "m s-1"])
+    dataset = dataset.assign_coords(state=["x", "x_dot"], state_units=units)
+    drawn = draw(dataset, figure("basin"))
+    for ax, radius in zip(drawn.axes, (0.9, 1.9), strict=True):
+        rest, moving = (marks_of.get_offsets() for marks_of in ax.collections)
+        assert len(rest) + len(moving) == 15
+        assert np.hypot(*rest.T).max() < radius < np.hypot(*moving.T).min()
+    assert "equilibrium 3 of 15" in drawn.axes[0].get_title()
+    assert "standard error" not in " ".join(legend_texts(drawn))
+
+
 def test_a_basin_tells_cycles_of_one_class_apart_by_their_periods():
     """As L_s does; what is one motion to its errors is one."""
     dataset = data.basin(speeds=(1.0,))

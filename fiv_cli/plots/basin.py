@@ -40,7 +40,8 @@ def suits(dataset: xr.Dataset) -> bool:
     """Whether the dataset holds many starts, and what they reach."""
     if STARTS not in dataset or "attractor" not in dataset:
         return False
-    return dataset.sizes["initial"] >= FEWEST and len(_varying(dataset)) >= 2
+    starts = _of_starts(dataset)
+    return starts.sizes["initial"] >= FEWEST and len(_varying(starts)) >= 2
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
@@ -48,7 +49,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
     Those of a single panel stand in the legend.
     """
-    dataset = layers[0].dataset
+    dataset = _of_starts(layers[0].dataset)
     names = _components(dataset, settings)
     known = is_class(dataset["status"], ("ok", "budget"))
     points.refuse_empty(dataset, bool(known.any()), "attractor")
@@ -74,6 +75,15 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     of_starts = f"shares of the starts{'' if single else ' above each panel'}{error}"
     style.legend_below(figure, style.told_in(axes)[0], of_starts)
     return figure
+
+
+def _of_starts(dataset: xr.Dataset) -> xr.Dataset:
+    """With every point of a lattice of starts (axes ``initial.x``) as a start of its own."""
+    axes = [dim for dim in points.grid_dims(dataset) if dim.startswith("initial_")]
+    if not axes or STARTS not in dataset or len(_varying(dataset)) >= 2:
+        return dataset
+    stacked = dataset.stack(start=[*axes, "initial"], create_index=False)
+    return stacked.swap_dims(start="initial").transpose(..., "state", "initial")
 
 
 def _varying(dataset: xr.Dataset) -> list[str]:
