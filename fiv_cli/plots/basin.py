@@ -159,22 +159,30 @@ def _motions(part: xr.Dataset) -> np.ndarray:
     """What each start reaches: its class or, of a few cycles of one class, by its period."""
     reached = class_names(part["attractor"]).astype(object)
     is_cycle = (reached == "periodic") & np.isfinite(part["L_s"].values if "L_s" in part else 0.0)
-    if "period" not in part or not is_cycle.any():
-        return reached
-    size = part["L_s"].values[is_cycle]
-    order = np.argsort(size)
-    step = np.diff(size[order]) > tolerance(part) * size[order][1:]
-    number = np.zeros(size.size, int)
-    number[order] = np.append(0, np.cumsum(step))
-    if 0 < number.max() < len(OF_CYCLES):
-        periods = part["period"].values[is_cycle]
-        firsts = [labels.number_text(float(f"{periods[number == n][0]:.4g}"))
-                  for n in range(number.max() + 1)]  # fmt: skip
-        told = [f"periodic, $T$ = {one} s" for one in firsts]
-        if len({*told}) < len(told):
-            told = [f"{one}, cycle {n}" for n, one in enumerate(told, 1)]
-        reached[is_cycle] = np.array(told, object)[number]
+    if "period" in part and is_cycle.any():
+        number = _told_apart(part["L_s"].values[is_cycle], tolerance(part))
+        if 0 < number.max() < len(OF_CYCLES):
+            names = _names_of_cycles(part["period"].values[is_cycle], number)
+            reached[is_cycle] = np.array(names, object)[number]
     return reached
+
+
+def _told_apart(sizes: np.ndarray, tolerance: float) -> np.ndarray:
+    """The number of the cycle of each size, from the least: where they differ, it is another."""
+    order = np.argsort(sizes)
+    another = np.diff(sizes[order]) > tolerance * sizes[order][1:]
+    number = np.zeros(sizes.size, int)
+    number[order] = np.append(0, np.cumsum(another))
+    return number
+
+
+def _names_of_cycles(periods: np.ndarray, number: np.ndarray) -> list[str]:
+    """What the cycles are called: by their periods and, where two have one, by their number."""
+    firsts = [float(f"{periods[number == one][0]:.4g}") for one in range(number.max() + 1)]
+    names = [f"periodic, $T$ = {labels.number_text(period)} s" for period in firsts]
+    if len({*names}) == len(names):
+        return names
+    return [f"{name}, cycle {one}" for one, name in enumerate(names, 1)]
 
 
 def _rests(part: xr.Dataset, names: tuple[str, str]) -> np.ndarray:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 DEFAULT = "section_value"
 CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
-FINER = 0.3
+FINER = 0.3  # share of its size that a mark has in a crowd, and where it is undecided
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 PALE = 0.4  # what has no class may be on its way yet
@@ -199,32 +199,43 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
     resting = "at rest" if apart.any() else "steady sliding"
     _name_sorts(ax, clouds, entries, size)
     for cloud, entry in zip(clouds, entries, strict=True):
-        crowded, undecided = cloud.crowded, cloud.undecided
-        seen = 1.0 + SEEN_BEHIND * (sorts - 1 - entry.number) / sorts
-        fine = seen * max(FINEST, FINER * style.finer(crowd) * size)
-        among, open_ = points.unlisted(entry.label), points.unlisted(entry.label, "undecided")
-        for part, finest, alpha, label in (
-            (~crowded & ~undecided, None, None, entry.label),
-            (~crowded & undecided, None, PALE, open_),
-            (crowded & ~undecided, fine, None, among),
-            (crowded & undecided, fine, PALE, open_),
-        ):
-            pale = FINER if alpha else 1.0
-            look = style.mark_of(entry.number, sorts, pale * size)
-            look = style.mark_of(0, 1, finest) if finest else look
-            look |= {"color": entry.colour, "alpha": alpha, "rasterized": many}
-            if part.any() or label == entry.label:
-                ax.plot(cloud.x[part], cloud.y[part], ls="none", label=label, **look)
-        own = style.mark_of(entry.number, sorts, size) | {"color": entry.colour, "ls": "none"}
-        rest, on_line = (
-            (cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told)
-        )
-        at_rest = points.unlisted(entry.label, resting)
-        ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest)
-        ax.plot(*rest, label=DECORATION, **own)
-        ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **own)
+        _mark_values(ax, cloud, entry, size, sorts, many)
+        _mark_rests(ax, cloud, entry, size, sorts, resting)
     if apart.size:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
+
+
+def _mark_values(
+    ax: Axes, cloud: _Cloud, entry: points.Entry, size: float, sorts: int, many: bool
+) -> None:
+    """The values of one cloud: dots where they crowd, pale and small where undecided."""
+    crowded, undecided = cloud.crowded, cloud.undecided
+    seen = 1.0 + SEEN_BEHIND * (sorts - 1 - entry.number) / sorts
+    fine = seen * max(FINEST, FINER * style.finer(int(crowded.sum())) * size)
+    mark, small = (style.mark_of(entry.number, sorts, one) for one in (size, FINER * size))
+    dot = style.mark_of(0, 1, fine)
+    look: dict[str, Any] = {"color": entry.colour, "ls": "none", "rasterized": many}
+    among, open_ = points.unlisted(entry.label), points.unlisted(entry.label, "undecided")
+    for part, shape, alpha, label in (
+        (~crowded & ~undecided, mark, None, entry.label),
+        (~crowded & undecided, small, PALE, open_),
+        (crowded & ~undecided, dot, None, among),
+        (crowded & undecided, dot, PALE, open_),
+    ):
+        if part.any() or label == entry.label:
+            ax.plot(cloud.x[part], cloud.y[part], label=label, alpha=alpha, **shape, **look)
+
+
+def _mark_rests(
+    ax: Axes, cloud: _Cloud, entry: points.Entry, size: float, sorts: int, resting: str
+) -> None:
+    """The points at rest of one cloud, with a square in their mark where no line tells of them."""
+    rest, on_line = ((cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told))
+    look = style.mark_of(entry.number, sorts, size) | {"color": entry.colour, "ls": "none"}
+    at_rest = points.unlisted(entry.label, resting)
+    ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest)
+    ax.plot(*rest, label=DECORATION, **look)
+    ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **look)
 
 
 def _entries(clouds: Sequence[_Cloud]) -> list[points.Entry]:
