@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import shutil
 import subprocess
 import tomllib
@@ -474,3 +475,16 @@ def test_a_figure_of_what_the_case_was_says_so(
     said, warning = capsys.readouterr().err, "WARNING: runs/pin.nc is drawn as it was run; pin.toml"
     assert told in said
     assert (warning in said) == bool(told)
+
+
+def test_what_a_warning_says_to_run_takes_it_away(capsys: pytest.CaptureFixture[str]) -> None:
+    """Also of a dataset that was run with settings of its own, to a file of its own."""
+    assert fiv(["run", "pin.toml", "-q", "--set", "grid.N0=[20.0, 31.0]", "-o", "other.nc"]) == 0
+    Path("pin.toml").write_text(EQUILIBRIUM + '[[figure]]\nkind = "curve"\nx = "N0"\n')
+    capsys.readouterr()
+    assert fiv(["plot", "other.nc", "--figure", "curve"]) == 0
+    advised = capsys.readouterr().err.split("(other figures): ")[1].splitlines()[0]
+    assert fiv([*shlex.split(advised)[1:], "-q"]) == 0
+    capsys.readouterr()
+    assert fiv(["plot", "other.nc", "--figure", "curve"]) == 0
+    assert "WARNING" not in capsys.readouterr().err

@@ -203,9 +203,11 @@ def test_an_edited_model_meets_neither_old_results_nor_old_code():
         api.run(edited, "a.nc", workers=1)
     after = api.run(edited, "a.nc", workers=1, fresh=True)
     assert (after["x_max"] < before["x_max"]).all()
-    assert not changed_since(after.attrs)
+    assert not changed_since(after.attrs, Path("a.nc"))
     Path("my.py").write_text(MODEL)
-    assert changed_since(after.attrs).startswith("my.py was changed since: fiv run case.toml")
+    assert changed_since(after.attrs, Path("a.nc")).startswith(
+        "my.py was changed since: fiv run case.toml"
+    )
     again = api.run(case, workers=1)  # a case is what it was loaded as
     assert again["x_max"].equals(before["x_max"])
 

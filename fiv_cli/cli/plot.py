@@ -271,7 +271,7 @@ def _asked(
         attributes = next(iter(source.values())).attrs
         if "partial" in attributes:
             click.echo(f"{file}: partial, {attributes['partial']}", err=True)
-        if changed := changed_since(attributes):
+        if changed := changed_since(attributes, file):
             click.echo(f"WARNING: {file} is drawn as it was run; {changed}", err=True)
     for name in dict.fromkeys(names) or [None]:
         yield from _called(name, sources)

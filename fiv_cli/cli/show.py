@@ -60,7 +60,7 @@ def command(
     from fiv_cli.reading.summary import lines, summarise
 
     analyses, at = read_analyses(file), parse_selection(places)
-    if changed := changed_since(next(iter(analyses.values())).attrs, drawn=False):
+    if changed := changed_since(next(iter(analyses.values())).attrs, file, drawn=False):
         click.echo(f"WARNING: {file} is shown as it was run; {changed}", err=True)
     if chosen is not None and [*analyses] != [""]:
         following = f"fiv show {file}"

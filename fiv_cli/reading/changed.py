@@ -11,22 +11,23 @@ from pathlib import Path
 from typing import Any
 
 from fiv_cli.case.case import Case
-from fiv_cli.case.identity import differences, document
+from fiv_cli.case.identity import differences, document, output_of
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import FivError
 
 SHOWN = 3
 """Differences that are told."""
 
-_ANEW = " --fresh, or with another -o"
+_ANEW = " --fresh, or to another -o"
 _COMMAND = re.compile(r"fiv run (.*?)(?: --(?:with|set) .*)?")
 
 
-def changed_since(attributes: Mapping[str, Any], drawn: bool = True) -> str:
+def changed_since(attributes: Mapping[str, Any], file: Path, drawn: bool = True) -> str:
     """How the case file of a dataset, or a file of one's own, differs by now, and what to do.
 
     Parameters
     ----------
+    file : the dataset
     drawn : figures count, too
 
     Returns
@@ -36,6 +37,8 @@ def changed_since(attributes: Mapping[str, Any], drawn: bool = True) -> str:
     run = str(attributes.get("history", ""))
     command = _COMMAND.fullmatch(run)
     source, text = command[1] if command else "", str(attributes["case"])
+    if file.resolve() != output_of(source).resolve():
+        run += f" -o {file}"
     if path := next(_edited(attributes), ""):
         return f"{path} was changed since: {run}{_ANEW}"
     try:
@@ -54,7 +57,7 @@ def changed_since(attributes: Mapping[str, Any], drawn: bool = True) -> str:
         return ""
     anew = _ANEW if differences(document(then), present) else ""
     said = "; ".join([*found[:SHOWN], *["..."] * (len(found) > SHOWN)])
-    return f"{source} was changed since ({said}): fiv run {source}{anew}"
+    return f"{source} was changed since ({said}): {run}{anew}"
 
 
 def _edited(attributes: Mapping[str, Any]) -> Iterator[str]:
