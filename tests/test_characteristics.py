@@ -180,7 +180,7 @@ def test_loops_are_drawn(law: str) -> None:
     assert len(colours) == 1 + sticks  # the others have no border at zero slip
     bare = case | {"figure": [{"kind": "phase"}]}
     (loop,) = api.figure(api.run(api.load(bare))).axes
-    assert (loop.get_xlabel(), loop.get_ylabel()) == ("$s$ (m)", r"$F_\mathrm{T}$ (N)")
+    assert (loop.get_xlabel(), loop.get_ylabel()) == ("$s$ (m)", "$F_T$ (N)")
     case["figure"][0]["y"] = "F_X"
     with pytest.raises(CaseError, match="did you mean 'F_T'"):
         api.load(case)

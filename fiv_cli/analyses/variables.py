@@ -360,7 +360,7 @@ def amplitude(name: str, units: str) -> Variable:
     return Variable(
         f"{name}_amplitude",
         units,
-        f"half the range of {name} in the steady state",
+        f"amplitude of {name}",
         comment=f"({name}_max - {name}_min)/2",
         unbounded=True,
         derived=True,

@@ -92,7 +92,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _draw_cycles(ax, own, axis, layer, name, where)
     for layer, lines, found_at in zip(shown, equilibria, changes, strict=True):
         _draw_equilibria(ax, layer, lines, found_at, axis)
-    ax.set_ylabel(labels.axis_label(first[name]).replace("the section", _section_words(shown)))
+    words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
+    ax.set_ylabel(labels.axis_label(first[name]).replace("the section", words))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     if not clouds[0].label and (style.told_in([ax])[1] or points.gaps(first)):  # a legend anyway
         ax.lines[before].set_label(_start_of(first))

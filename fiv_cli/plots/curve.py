@@ -39,6 +39,7 @@ SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
+ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CAP = 2.0  # half the width of the ends of error bars, pt
 UNSEEN = 1e-4  # of the greatest value: an error bar that is shorter has no ends
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
@@ -107,8 +108,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
         _panel(ax, [dataset[name] for name in own], lines, numeric)
-        if any(_standard_error(name) in dataset for name in own):
-            ax.set_ylabel(f"{ax.get_ylabel()} ± standard error")
+        if any(_standard_error(name) in layer.dataset for layer in along for name in own):
+            ax.plot([], [], color=style.BLACK, label="standard error", **ERROR_BAR)
     told = "undecided" if names == ["attractor"] else ""
     points.dress(axes, along, settings, told)
     return figure

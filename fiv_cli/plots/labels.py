@@ -50,7 +50,7 @@ def axis_label(variable: xr.DataArray, name: str = "") -> str:
         own = f"${symbol(variable, name)}$"
         before, formula, after = words.partition(" $") if is_formula else (words, "", "")
         words = f"{before} {own} = ${after}" if formula else f"{words} {own}".strip()
-    words = words or name.replace("_", " ")
+    words = words or quantity(variable, name)
     unit = unit_text(str(variable.attrs.get("units", "1")))
     return f"{words} ({unit})" if unit else words
 
@@ -84,8 +84,11 @@ def shared_label(variables: Sequence[xr.DataArray]) -> str:
 
 
 def quantity(variable: xr.DataArray, name: str) -> str:
-    """The symbol of a quantity or, where it goes by words, these."""
-    return f"${symbol(variable, name)}$" if has_symbol(variable, name) else name.replace("_", " ")
+    """The symbol of a quantity or, where it goes by words, these: ``$\\dot{x}$ amplitude``."""
+    if has_symbol(variable, name):
+        return f"${symbol(variable, name)}$"
+    state, amplitude, _ = name.partition("_amplitude")
+    return f"${symbol_of_name(state)}$ amplitude" if amplitude else name.replace("_", " ")
 
 
 def has_symbol(variable: xr.DataArray, name: str) -> bool:

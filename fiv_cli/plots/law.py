@@ -70,10 +70,10 @@ def _draw(laws: Sequence[Given], fastest: float) -> Figure:
         colour = style.line_colours(len(laws))[number]
         _curve(ax, given, fastest, {"color": colour, "ls": style.dash(number, len(laws))})
     forces = [not _scales_with_load(law) for law, _ in laws]
-    ratio = r"$F_\mathrm{T}/F_\mathrm{N}$"
+    ratio = "$F_T/F_N$"
     if any(forces) and not all(forces):
         raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
-    ax.set_ylabel(r"$F_\mathrm{T}$ (N)" if any(forces) else ratio)
+    ax.set_ylabel("$F_T$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
     ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label="held in stick")
     style.colour_keys([ax])

@@ -23,7 +23,7 @@ MOST_OVERLAID = 20
 # The contact states in their fixed order, and what they are called in legends.
 CONTACT_STATES = {
     "slip+": r"slip+ ($v_\mathrm{rel} > 0$)",
-    "slip-": r"slip- ($v_\mathrm{rel} < 0$)",
+    "slip-": r"slip$-$ ($v_\mathrm{rel} < 0$)",
     "stick": "stick",
     "separation": "separation",
 }

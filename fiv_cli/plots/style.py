@@ -529,9 +529,9 @@ def _letter(font: str) -> float:
 
 
 def _folded(words: str, most: int) -> str:
-    """Words in lines of at most so many letters, no formula, equation nor error divided."""
+    """Words in lines of at most so many letters, no formula, equation, error nor unit divided."""
     lines = [""]
-    for word in re.findall(r"(?:\$[^$]*\$|\S)+(?: [=±] \S+)*", words):
+    for word in re.findall(r"(?:\$[^$]*\$|\S)+(?: [=±] \S+)*(?: \([^()=]*\)$)?", words):
         line = f"{lines[-1]} {word}".strip()
         if len(MARKUP.sub("", line)) <= most or not lines[-1]:
             lines[-1] = line

@@ -18,7 +18,7 @@ OF_RECORDED = (
     axis("time", "s", "time", symbol="t"),
     Variable("slip", "m", "slip", "time", symbol="s"),
     Variable("slip_dot", "m s-1", "slip velocity", "time", symbol=r"v_\mathrm{rel}"),
-    Variable("F_T", "N", "friction force", "time", symbol=r"F_\mathrm{T}"),
+    Variable("F_T", "N", "friction force", "time", symbol="F_T"),
     detail("contact_state", "state of contact", "time"),
     count("n_steps", "integration steps", role=Role.WORK),
 )
