@@ -2210,6 +2210,23 @@ def test_a_phase_portrait_points_in_the_direction_of_its_motion():
     assert np.abs(arrow.xyann / np.abs(corners).max(axis=(0, 1))).max() > 0.1
 
 
+@pytest.mark.parametrize("turn", [0.0, 1.5 * np.pi])
+def test_the_arrow_of_a_phase_portrait_does_not_hide_its_start(turn):
+    """It stands on the straight part of the curve, that of stick, beside where that begins."""
+    found = without_events(data.history(labels=("far",)))
+    angle = 9.0 * found["time"] + turn
+    rate = np.minimum(-0.09 * np.sin(angle), 0.05)
+    phi = 0.02 + 0.01 * np.cos(angle)
+    found["phi"], found["phi_dot"] = (
+        found[name].copy(data=one.values[None]) for name, one in (("phi", phi), ("phi_dot", rate))
+    )
+    (arrow,) = draw(found, figure("phase")).axes[0].texts
+    middle = 0.5 * (np.array(arrow.xyann) + arrow.xy)
+    start = np.array([phi.isel(time=0), rate.isel(time=0)])
+    assert np.linalg.norm((middle - start) / [0.02, 0.14]) > 0.1
+    assert middle[1] == pytest.approx(0.05, abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("periods", "log", "lines"), [(3.0, "", 2), (3.0, "y", 3), (2.9, "", None)]
 )

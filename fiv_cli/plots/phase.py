@@ -31,6 +31,7 @@ HEAD: dict[str, Any] = {
 }  # fmt: skip
 # A head's length, and how far along a curve a place for it is looked for, as shares of its extent.
 ROOM, TURN, PLACES = 0.06, 4.0, 300
+CLEAR = 0.1  # of the extent: a start as near as that would be hidden
 MARKERS = "osD^vphX"
 MARK: dict[str, Any] = {"ms": 5, "mfc": "none", "color": style.BLACK, "ls": "none"}
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
@@ -183,8 +184,8 @@ def _rest(ax: Axes, one: motion.Motion, names: tuple[str, str], mark: _Mark) -> 
 
 
 def _point_onwards(ax: Axes, path: np.ndarray) -> None:
-    """An arrowhead in the direction of the motion, on the straightest stretch of its curve: where
-    that is seen in the second half, which is nearer to a closed one, there."""
+    """An arrowhead in the direction of the motion, on the straightest stretch of its curve off its
+    start: where that is seen in the second half, which is nearer to a closed one, there."""
     halves, extent = (path[len(path) // 2 :], path), np.ptp(path, axis=0)
     late = next(half for half in halves if (np.ptp(half, axis=0) >= SEEN * extent).all())
     scaled = late / np.where(extent > 0.0, extent, 1.0)
@@ -193,6 +194,9 @@ def _point_onwards(ax: Axes, path: np.ndarray) -> None:
     even = np.column_stack([np.interp(places, along, scaled[:, axis]) for axis in (0, 1)])
     reach = min(1 + int(ROOM * PLACES / max(places[-1], ROOM)), PLACES // 3 - 1)
     chords = np.linalg.norm(even[3 * reach :] - even[: -3 * reach], axis=1)
+    start = path[0] / np.where(extent > 0.0, extent, 1.0)
+    off = np.linalg.norm(0.5 * (even[3 * reach :] + even[: -3 * reach]) - start, axis=1)
+    chords[off < CLEAR] *= 0.5
     if along[-1] > 0.0:
         tail, tip = (even[int(chords.argmax()) + n * reach] * extent for n in (1, 2))
         ax.annotate("", tip, tail, arrowprops=HEAD)
