@@ -62,7 +62,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
         shares_of = _shares(dataset, panel.index)
         _scatter(ax, dataset.isel(panel.index), names, shares_of if single else {})
-        heading = [] if single else [f"{_words(one)} {told}" for one, told in shares_of.items()]
+        heading = [] if single else [_told(*one) for one in shares_of.items()]
         ax.set_title("\n".join(filter(None, (panel.label, *heading))))
         ax.set_label(panel.label)  # of the table
         ax.set_xlabel(_label(dataset, names[0]))
@@ -148,7 +148,7 @@ def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str], told: Mapping[s
         )  # fmt: skip
         drawn.name_points(starts, part["initial"].values[mask].tolist())
         if name in told:
-            ax.scatter([], [], label=f"{label} {told[name]}", **look)
+            ax.scatter([], [], label=_told(name, told[name]), **look)
     rests = _rests(part.isel(initial=np.flatnonzero(reached == "equilibrium")), names)
     if rests.size:  # the starts beneath are seen through it
         ax.plot(*rests.T, "*", ms=STAR, mfc="none", mec=style.BLACK, mew=0.8, zorder=3.5,
@@ -197,6 +197,11 @@ def _rests(part: xr.Dataset, names: tuple[str, str]) -> np.ndarray:
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
+
+
+def _told(name: str, share: str) -> str:
+    """A class, or a cycle by its period, and the share of its basin."""
+    return f"{_words(name)}{':' if '=' in name else ''} {share}"
 
 
 def _shares(dataset: xr.Dataset, index: Mapping[str, int]) -> dict[str, str]:
