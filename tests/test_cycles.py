@@ -797,6 +797,17 @@ def test_a_branch_of_unstable_slip_turns_into_stick_slip_from_whichever_start(x:
     assert abs(ends[order[2]] - 1.305958392473) <= errors[order[2]] <= 1e-6
 
 
+@pytest.mark.parametrize("mu_k", [4.0, 4.2, 4.22, 4.225])
+def test_a_motion_that_dies_away_is_no_cycle(mu_k: float) -> None:
+    """Below flutter sliding decays; what is left after a thousand seconds is 1e-7 of the offset."""
+    start = Start("near", "equilibrium", {"x": 0.1})
+    asked = {"section": Section("zero", state="x_dot"), "t_max": 1000.0}
+    found = analyse(
+        "flutter-2dof", "coulomb", "cycle", start, asked, c1=0.1, c2=0.1, mu_k=mu_k
+    )  # fmt: skip
+    assert (found.reason, found.values.get("stable")) == ("no_cycle", None)
+
+
 def cycle_case(
     model: dict[str, Any], friction: dict[str, Any], state: dict[str, str], **analysis: Any
 ) -> Any:

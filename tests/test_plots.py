@@ -1334,7 +1334,7 @@ def test_a_map_has_the_label_of_its_colour_bar_that_it_asks_for():
 
 def test_of_a_refined_map_rests_that_were_filled_in_are_0_where_all_that_ran_are():
     """As L_s at an equilibrium is; where some rest elsewhere, nothing is known of the others."""
-    for elsewhere, unknown in ((0.0, False), (0.5, True)):
+    for elsewhere, unknown in ((0.0, False), (0.5, True), (-0.5, True)):
         dataset = data.stability_map(initial=("reached",))
         rests = is_class(dataset["attractor"], ("equilibrium",)).values
         first, *_, last = np.argwhere(rests)

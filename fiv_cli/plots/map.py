@@ -442,9 +442,8 @@ def _with_rests(planes: _Planes, values: xr.DataArray) -> xr.DataArray:
     if "computed" not in planes.dataset or "attractor" not in planes.dataset:
         return values
     resting = is_class(planes.dataset["attractor"], ("equilibrium",))
-    at_rest = values.where(resting & planes.computed)
-    ran = at_rest.notnull() | ~(resting & planes.computed)
-    if bool(ran.all()) and bool((at_rest == 0.0).any()) and not bool((at_rest > 0.0).any()):
+    ran = resting & planes.computed
+    if bool(ran.any()) and bool((values == 0.0).where(ran, True).all()):
         return values.where(~(resting & filled_in(planes.dataset, "attractor")), 0.0)
     return values
 

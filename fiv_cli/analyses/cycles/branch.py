@@ -22,6 +22,7 @@ import numpy as np
 
 from fiv_cli.analyses.base import Varied, broken
 from fiv_cli.analyses.cycles.periodic import (
+    OPEN,
     Anchor,
     Cycle,
     Equations,
@@ -48,8 +49,6 @@ FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-10  # lengths of a step along the bran
 ORDINARY = 1e-3  # a step as long as this is not about to meet an end
 LONGER = 1.5  # growth of a step ...
 PATIENCE = 3  # ... after so many that went well
-EPSILON = 2.0**-52  # the last digit of 1
-OPEN = 1e-10  # of a motion's extent, per unit of its multiplier: what is so far open is no cycle
 BLURRED = 0.1  # share of that, from which on the last digits of the states alone open it
 ASTRAY = 0.7  # share of a step by which the cycle found may lie off the cycle foreseen ...
 BENT = 0.2  # ... and one of the same events
@@ -648,13 +647,8 @@ def openness(line: Continuation, here: Point) -> float:
     found = _conditions(line, here.frame, here.unknowns)
     jacobian = None if found is None else found.jacobian()
     rate = 0.0 if jacobian is None else float(np.linalg.norm(jacobian[:, -1]))
-    gap = max(here.cycle.residual, last_digits(here.cycle))
+    gap = max(here.cycle.residual, here.cycle.last_digits)
     return gap * line.span / rate if rate > 0.0 else float("nan")
-
-
-def last_digits(cycle: Cycle) -> float:
-    """What the last digits of its states are of a cycle's extent."""
-    return EPSILON * float(np.max(np.abs(cycle.extremes) / cycle.scales))
 
 
 def is_close(line: Continuation, here: Point, length: float) -> bool:
@@ -785,7 +779,7 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
             return GRAZING
     if here.cycle.largest > UNBOUND or _grazes_beside(line, here):
         return GRAZING
-    if here.kept and last_digits(here.cycle) > BLURRED * OPEN:
+    if here.kept and here.cycle.last_digits > BLURRED * OPEN:
         return AT_REST  # too small for its digits, before the parameter came as close as asked
     return FOLD if abs(here.slope) < UPRIGHT else OTHER
 

@@ -40,6 +40,10 @@ CHORDS = 8  # steps with one derivative
 SLOW = 0.3  # a step that leaves more than this of the conditions asks for another derivative
 SPENT = 1e-12  # what may be left to the next step, where the derivative is from elsewhere
 RANK = 1e-12  # singular values below this share of the largest count as zero
+OPEN = 1e-10  # of a motion's extent, per unit of its multiplier: what is so far open is no cycle
+EPSILON = 2.0**-52  # the last digit of 1
+DIGITS = 10.0  # last digits of its states by which a tiny cycle may be open
+UNIT = 1e-3  # distance from 1, per unit of the largest, of the multiplier along the flow
 AT_REST = 1e-7  # a motion of this extent, relative to its distance from zero, is an equilibrium
 SAME_POINT = 1e-6  # section points of one cycle lie further apart than this share of its extent
 MOST_EVENTS = 4096  # events, and section points, per period that are told apart
@@ -517,6 +521,23 @@ class Cycle(Orbit):
         """Extent of the motion in every state."""
         return extents(self.extremes)
 
+    @property
+    def last_digits(self) -> float:
+        """What the last digits of its states are of its extent."""
+        return EPSILON * float(np.max(np.abs(self.extremes) / self.scales))
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it comes back to itself, and does not only rest nearly.
+
+        Where a motion dies away Newton's method converges to rest, and what is left there of the
+        way may pass for a motion; no neighbour along its flow keeps its distance.
+        """
+        size = max(1.0, self.largest)
+        is_back = self.residual <= max(OPEN * size, DIGITS * self.last_digits)
+        along = float(np.abs(self.multipliers - 1.0).min(initial=np.inf))
+        return is_back and (not self.autonomous or along <= UNIT * size)
+
     @cached_property
     def signature(self) -> tuple[Event, ...]:
         """Its events in order, whichever comes first."""
@@ -561,7 +582,7 @@ def close(problem: Problem, anchor: Anchor, period: float, scales: Vector) -> Cy
         return None
     root, _ = found
     cycle = describe(problem, conditions.anchor_of(root), conditions.period_of(problem, root))
-    if cycle is None:
+    if cycle is None or not cycle.is_closed:
         return None
     share = repeats(problem, cycle.points, cycle.scales, cycle.period)
     return cycle if share == 1 else close(problem, cycle.anchor, period / share, cycle.scales)
