@@ -92,6 +92,7 @@ class TestExitCodes:
             (["plot", "a.nc", "--pdf"], "next: -o FILE.pdf"),
             (["plot", "a.nc", "--t-max", "1"], "--title, --no-title\nexample: fiv "),
             (["plot", "a.nc", "b.nc", "--label", "a"], "next: one --label WORDS for each file"),
+            (["plot", "a.nc", "--label", "a"], "tells several files in one figure apart"),
             (["plot", "--title", "off"], "next: --title, or --no-title"),
             (["run", "a.toml", "--estimate"], "next: fiv check --estimate"),
             (["run", "a.toml", "--claims"], "next: fiv claims"),

@@ -214,6 +214,9 @@ def test_files_are_called_as_they_are_labelled(tmp_path, monkeypatch):
         assert fiv(["plot", "a.nc", "b.nc", "--figure", "curve", *asked, "-o", "c.csv"]) == 0
         series = {row.split(",")[4] for row in Path("c.csv").read_text().splitlines()[1:]}
         assert all(any(name in one for one in series) for name in names)
+    twice = ["plot", "a.nc", "a.nc", "--label", "one", "--label", "two"]  # each in its place
+    assert fiv([*twice, "--figure", "curve", "-o", "c.csv"]) == 0
+    assert all(f"{label}, far" in Path("c.csv").read_text() for label in ("one", "two"))
 
 
 def test_several_outputs_are_those_of_each_alone(tmp_path, monkeypatch, capsys):

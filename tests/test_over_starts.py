@@ -107,6 +107,15 @@ def test_undecided_points_are_no_difference_and_cycles_of_one_class_may_be_two()
     )
 
 
+def test_cycles_without_a_measure_of_vibration_are_told_apart_by_their_range() -> None:
+    """Where nothing slides at rest there is no L_s."""
+    grid = data.axes(initial=["up", "down"], mu_k=[1.0, 2.0])
+    dataset = data.response(np.full((2, 2), "periodic"), np.full((2, 2), np.nan), grid)
+    dataset["x_max"] = (("initial", "mu_k"), [[1.0, 1.0], [1.0, 2.0]])
+    (told,) = over_starts.differing(dataset.assign(x_min=-dataset["x_max"]))
+    assert (told["cycles"], told["another"], told["another_at"]) == (2, 1, ["mu_k = 2"])
+
+
 def test_a_few_starts_are_told_in_pairs_and_many_together() -> None:
     few = reached({"far": "eepp", "up": "epep", "down": "eeuu"})
     assert [told["differ"] for told in few] == [2, 0, 1]

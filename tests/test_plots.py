@@ -30,6 +30,7 @@ from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of,
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.bifurcation import FINEST
 from fiv_cli.plots.branch import stretches
+from fiv_cli.plots.critical_lines import _is_inside
 from fiv_cli.plots.curve import _narrowed
 from fiv_cli.plots.drawn import as_csv, in_one_line
 from fiv_cli.plots.law import force
@@ -1330,6 +1331,15 @@ def test_a_map_has_the_label_of_its_colour_bar_that_it_asks_for():
     drawn = draw(data.stability_map(), figure("map", variable="L_s", zlabel="index"))
     (bar,) = (ax for ax in drawn.axes if ax.get_label() == "<colorbar>")
     assert bar.get_ylabel() == "index"
+    with pytest.raises(UsageError, match="this map has no colour bar"):
+        draw(data.stability_map(), figure("map", zlabel="class"))
+
+
+def test_a_line_that_passes_between_its_points_is_inside_a_map():
+    corners = np.array([[1.0, 1.0], [2.0, 2.0]])
+    across, beside = (np.array([0.0, 3.0]), np.array([0.5, 2.5])), (np.zeros(2), np.ones(2))
+    assert _is_inside(across, corners) and not _is_inside(beside, corners)
+    assert _is_inside((np.array([1.5]), np.array([2.0])), corners)
 
 
 def test_of_a_refined_map_rests_that_were_filled_in_are_0_where_all_that_ran_are():
@@ -1644,7 +1654,13 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
     low = crit.assign(critical_value=crit["critical_value"].copy(data=values - 500.0))
     low.to_netcdf("runs/low.nc")
     drawn = draw(response, figure("map", level={"low:critical_value": "N0"}))
-    assert "no line of the critical value of $N_{0}$: nowhere within" in drawn.get_suptitle()
+    one = crit.isel(Omega=slice(20, 21), crossing=slice(0, 1)).assign(
+        critical_value=crit["critical_value"][20:21, :1]
+    )
+    one.to_netcdf("runs/one.nc")
+    (place,) = draw(response, figure("map", level={"one:critical_value": "N0"})).axes[0].lines
+    assert (place.get_marker(), *place.get_xydata()[0]) == ("D", speeds[20], values[20, 0])
+    assert "no line of the critical value of $N_{0}$: no value within" in drawn.get_suptitle()
     with pytest.raises(UsageError, match="no axis of this map 'mu_k'"):
         draw(response, figure("map", level={"crit:critical_value": "mu_k"}))
     with pytest.raises(
@@ -1729,6 +1745,25 @@ def test_a_basin_tells_cycles_of_one_class_apart_by_their_periods():
     assert counts == [int((cycle & (~large if n == 0 else large)).sum()) for n in (0, 1)]
     dataset["L_s"] = dataset["L_s"] * 0.0 + 1.0
     assert not [one for one in legend_texts(draw(dataset, figure("basin"))) if "$T$" in one]
+
+
+def test_a_cycle_has_one_mark_in_all_panels_of_a_basin():
+    """By its size: its period is another in each."""
+    dataset = data.basin()
+    lower = dataset["initial_state"].sel(state="x") < 0.0
+    dataset["L_s"] = dataset["L_s"].copy(data=np.where(lower, 0.5, 1.5))
+    dataset["L_s"][1] = xr.where(lower[1], 0.7, 0.5)  # which of them is the smaller changes
+    dataset["period"] = dataset["L_s"].where(is_class(dataset["attractor"], ("periodic",)))
+    drawn = draw(dataset, figure("basin"))
+    legend = legend_texts(drawn)
+    assert [one for one in legend if "periodic" in one] == [f"periodic, cycle {n}" for n in (1, 2)]
+    looks = [
+        {starts.get_label(): to_hex(starts.get_facecolor()[0]) for starts in ax.collections}
+        for ax in drawn.axes
+    ]
+    assert looks[0] == looks[1] and len(looks[0]) == 3
+    x = [{s.get_label(): s.get_offsets()[:, 0].max() for s in ax.collections} for ax in drawn.axes]
+    assert [one["periodic, cycle 1"] < 0.0 for one in x] == [True, False]
 
 
 def test_a_basin_shows_where_its_motions_rest():
@@ -1939,7 +1974,7 @@ def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind,
         _, head, *rows = every[every.index("  shares of any at each point:") :][:5]
         assert head.split() == ["Omega", "equilibrium", "periodic"]
         assert rows[0].split() == ["1", *rest.split(" to ")[0].split(), *moving.split()[2:]]
-        assert rows[2].split() == ["9", "1", "0"]
+        assert re.fullmatch(r" *9  +1 \(all of 200: .*\)  +0 \(none of 200: .*\)", rows[2])
 
 
 def test_basins_need_starts_that_differ_in_two_states():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from string import ascii_letters
@@ -138,6 +138,8 @@ def command(
         raise UsageError(
             f"--label: {len(labels)} for {len(files)} files\nnext: one --label WORDS for each file"
         )
+    if len(labels) == 1:
+        raise UsageError("--label: it tells several files in one figure apart\nnext: leave it out")
     if loop is not None and not laws:
         raise UsageError("--loop: of which law?\nnext: --law NAME --loop amplitude=A,omega=W")
     if titled and any(file.name.lower() in SAID_OF_A_FLAG and not file.exists() for file in files):
@@ -149,8 +151,7 @@ def command(
     if loop is not None:
         figures = _of_loops(laws, loop, look)
     else:
-        called = dict(zip(files, labels, strict=False))
-        wanted = (files, names, called, look, undrawn)
+        wanted = (files, names, labels or [""] * len(files), look, undrawn)
         figures = _of_laws(laws, look, speed) if laws else _of_files(*wanted)
     for path, figure in _with_paths(figures, outputs):
         try:
@@ -221,7 +222,7 @@ def _number(text: str) -> float | int | str:
 def _of_files(
     files: Sequence[Path],
     names: Sequence[str],
-    called: Mapping[Path, str],
+    called: Sequence[str],
     look: Look,
     undrawn: list[UsageError],
 ) -> list[tuple[Path, Figure]]:
@@ -257,15 +258,15 @@ def _of_files(
 
 
 def _asked(
-    files: Sequence[Path], names: Sequence[str], called: Mapping[Path, str]
+    files: Sequence[Path], names: Sequence[str], called: Sequence[str]
 ) -> Iterator[tuple[Path, Sources, FigureSpec]]:
     """(default path, what it is drawn from, figure) of every figure that is asked for."""
     from fiv_cli.reading.changed import changed_since
     from fiv_cli.reading.datasets import read_analyses
 
     sources = [
-        (file, {name: one.assign_attrs(called=called.get(file, "")) for name, one in held.items()})
-        for file, held in ((file, read_analyses(file)) for file in files)
+        (file, {name: one.assign_attrs(called=own) for name, one in read_analyses(file).items()})
+        for file, own in zip(files, called, strict=True)
     ]
     for file, source in sources:
         attributes = next(iter(source.values())).attrs

@@ -7,7 +7,7 @@ random, not of others, its standard error is sqrt(p (1 - p) / n) (Menck et al., 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from fiv_cli.plots import drawn, labels, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import shares
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
-from fiv_cli.reading.over_starts import tolerance
+from fiv_cli.reading.over_starts import size_of_cycles, tolerance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +31,8 @@ FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
 STAR = 8.0  # size of the mark of an equilibrium, pt
 SAME = 1e-6  # of the greatest: places of rest that differ by less are one
-# Marks of cycles where there are several, and their colours, which no other class has.
+# Marks of cycles where there are several, and their colours, which only what diverged, or lost
+# contact, may have beside them.
 OF_CYCLES = {"o": style.ORANGE, "+": style.BLUE, "^": style.BLACK, "D": style.PURPLE}
 MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
 
@@ -59,9 +60,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         len(panels), map_.MOST_COLUMNS, points.title(dataset), SHARE, sharex=True, sharey=True
     )
     single = len(panels) == 1
-    for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
-        shares_of = _shares(dataset, panel.index)
-        _scatter(ax, dataset.isel(panel.index), names, shares_of if single else {})
+    reached = [_motions(dataset.isel(panel.index), single) for panel in panels]
+    looks = _looks(dataset, {name for one in reached for name in one})
+    for number, (ax, panel, own) in enumerate(zip(axes, panels, reached, strict=False)):
+        shares_of = _shares(own, _is_sample(dataset))
+        _scatter(ax, dataset.isel(panel.index), own, names, looks, shares_of if single else {})
         heading = [] if single else [_told(*one) for one in shares_of.items()]
         ax.set_title("\n".join(filter(None, (panel.label, *heading))))
         ax.set_label(panel.label)  # of the table
@@ -72,7 +75,10 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     rows = -(-len(panels) // columns)
     style.make_room(figure, rows * max(ax.get_title().count("\n") for ax in axes))
     error = " ± standard error" if _is_sample(dataset) else ""
-    of_starts = f"shares of the starts{'' if single else ' above each panel'}{error}"
+    what = "shares" if error else "counts"
+    of_starts = f"{what} of the starts{'' if single else ' above each panel'}{error}"
+    if not single and any("cycle" in name for name in looks):
+        of_starts += "; cycles by size"
     style.legend_below(figure, style.told_in(axes)[0], of_starts)
     return figure
 
@@ -128,42 +134,59 @@ def _label(dataset: xr.Dataset, name: str) -> str:
     return f"initial ${labels.symbol_of_name(name)}$ ({unit})"
 
 
-def _scatter(ax: Axes, part: xr.Dataset, names: tuple[str, str], told: Mapping[str, str]) -> None:
+def _looks(dataset: xr.Dataset, reached: Collection[str]) -> dict[str, dict[str, Any]]:
+    """The mark and the colour of each class that is reached, and of each of several cycles."""
+    classes = list(flag_names(dataset["attractor"].attrs).values())
+    colours = zip(classes, MARKS, style.class_colours(classes), strict=False)
+    looks = {name: (mark, colour) for name, mark, colour in colours if name in reached}
+    cycles = sorted({*reached} - {*classes})
+    looks |= dict(zip(cycles, OF_CYCLES.items(), strict=False))
+    return {name: {"marker": mark, "color": colour} for name, (mark, colour) in looks.items()}
+
+
+def _scatter(
+    ax: Axes,
+    part: xr.Dataset,
+    reached: np.ndarray,
+    names: tuple[str, str],
+    looks: Mapping[str, Mapping[str, Any]],
+    told: Mapping[str, str],
+) -> None:
     """The starts of one panel, and where they rest; the legend says what is `told` of classes."""
     x, y = (part[STARTS].sel(state=name).values for name in names)
-    reached = _motions(part)
-    classes = dict(zip(flag_names(part["attractor"].attrs).values(), MARKS, strict=False))
-    table = [name for name in classes if name in reached]
-    cycles = [name for name in np.unique(reached).tolist() if name not in classes]
-    marks = classes | dict(zip(cycles, OF_CYCLES, strict=False))
-    colours = [*style.class_colours(table), *OF_CYCLES.values()]
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
-    for name, colour in zip([*table, *cycles], colours, strict=False):
+    for name, look in looks.items():
         mask, label = reached == name, _words(name)
-        look: dict[str, Any] = {"color": colour, "marker": marks[name], "lw": 0.5}
+        if not mask.any():
+            continue
         starts = ax.scatter(
-            x[mask], y[mask], size, zorder=3.0 - mask.mean(), **look,
+            x[mask], y[mask], size, zorder=3.0 - mask.mean(), lw=0.5, **look,
             label=points.unlisted(label) if name in told else label,
             rasterized=len(x) > style.MANY_MARKS,
         )  # fmt: skip
         drawn.name_points(starts, part["initial"].values[mask].tolist())
         if name in told:
-            ax.scatter([], [], label=_told(name, told[name]), **look)
+            ax.scatter([], [], lw=0.5, label=_told(name, told[name]), **look)
     rests = _rests(part.isel(initial=np.flatnonzero(reached == "equilibrium")), names)
     if rests.size:  # the starts beneath are seen through it
         ax.plot(*rests.T, "*", ms=STAR, mfc="none", mec=style.BLACK, mew=0.8, zorder=3.5,
                 label="where they rest")  # fmt: skip
 
 
-def _motions(part: xr.Dataset) -> np.ndarray:
-    """What each start reaches: its class or, of a few cycles of one class, by its period."""
+def _motions(part: xr.Dataset, single: bool) -> np.ndarray:
+    """What each start reaches: its class or, of a few cycles of one class, which of them.
+
+    In a `single` panel they go by their periods, else by their numbers: others have other periods.
+    """
     reached = class_names(part["attractor"]).astype(object)
-    is_cycle = (reached == "periodic") & np.isfinite(part["L_s"].values if "L_s" in part else 0.0)
-    if "period" in part and is_cycle.any():
-        number = _told_apart(part["L_s"].values[is_cycle], tolerance(part))
-        if 0 < number.max() < len(OF_CYCLES):
-            names = _names_of_cycles(part["period"].values[is_cycle], number)
-            reached[is_cycle] = np.array(names, object)[number]
+    size = size_of_cycles(part).values
+    is_cycle = np.isfinite(size)
+    number = _told_apart(size[is_cycle], tolerance(part))
+    if 0 < number.max(initial=0) < len(OF_CYCLES):
+        by_period = single and "period" in part
+        names = _by_period(part["period"].values[is_cycle], number) if by_period else None
+        numbers = [f"periodic, cycle {one}" for one in range(1, len(OF_CYCLES) + 1)]
+        reached[is_cycle] = np.array(names or numbers, object)[number]
     return reached
 
 
@@ -176,7 +199,7 @@ def _told_apart(sizes: np.ndarray, tolerance: float) -> np.ndarray:
     return number
 
 
-def _names_of_cycles(periods: np.ndarray, number: np.ndarray) -> list[str]:
+def _by_period(periods: np.ndarray, number: np.ndarray) -> list[str]:
     """What the cycles are called: by their periods and, where two have one, by their number."""
     firsts = [float(f"{periods[number == one][0]:.4g}") for one in range(number.max() + 1)]
     names = [f"periodic, $T$ = {labels.number_text(period)} s" for period in firsts]
@@ -201,17 +224,16 @@ def _words(name: str) -> str:
 
 def _told(name: str, share: str) -> str:
     """A class, or a cycle by its period, and the share of its basin."""
-    return f"{_words(name)}{':' if '=' in name else ''} {share}"
+    return f"{_words(name)}{':' if ',' in name else ''} {share}"
 
 
-def _shares(dataset: xr.Dataset, index: Mapping[str, int]) -> dict[str, str]:
+def _shares(reached: np.ndarray, sample: bool) -> dict[str, str]:
     """Class -> its share in one panel: periodic -> ``0.621 ± 0.034``, equilibrium -> ``(all 200)``.
 
-    Of starts that are no random sample it is a count: ``124 of 200``.
+    Of starts that are no random `sample` it is a count: ``124 of 200``.
     """
-    reached = _motions(dataset.isel(index))
     names, counts = np.unique(reached[reached != NOT_COMPUTED].astype(str), return_counts=True)
-    total, sample = int(counts.sum()), _is_sample(dataset)
+    total = int(counts.sum())
     found = {}
     for name, count in zip(names.tolist(), counts.tolist(), strict=True):
         share = count / total

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
+from matplotlib.path import Path
+from matplotlib.transforms import Bbox
 
 from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import listed
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
+PLACE: dict[str, Any] = {"marker": "D", "ms": 4, "ls": "none"}
 
 
 @dataclass(frozen=True)
@@ -43,20 +46,25 @@ class CriticalLines:
     def missed(self) -> list[str]:
         """That there is no line, where no value lies within the map."""
         inside = any(self._pieces(panel) for panel in self.panels)
-        return [] if inside else [f"no line of the {self._words}: nowhere within the map"]
+        return [] if inside else [f"no line of the {self._words}: no value within the map"]
 
     def keys(self, colour: ColorType) -> list[Line2D]:
         """Its entry of a legend."""
-        entry = Line2D([], [], color=colour, ls=self.style, label=self._words)
-        return [] if self.missed else [entry]
+        pieces = [piece for panel in self.panels for piece in self._pieces(panel)]
+        look = self._look(max(pieces, key=lambda piece: piece[0].size)) if pieces else {}
+        return [Line2D([], [], color=colour, label=self._words, **look)] if pieces else []
 
     def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> None:
         """Draw the lines of one panel, whose ranges stay as they are."""
         ranges = {"xlim": ax.get_xlim(), "ylim": ax.get_ylim()}
         for x, y in self._pieces(panel):
             label = points.unlisted(self._words)
-            ax.plot(x, y, color=colour, ls=self.style, lw=1.5, label=label)
+            ax.plot(x, y, color=colour, label=label, **self._look((x, y)))
         ax.set(**ranges)
+
+    def _look(self, piece: Piece) -> dict[str, Any]:
+        """A line or, of a single place, a mark."""
+        return {"ls": self.style, "lw": 1.5} if piece[0].size > 1 else PLACE
 
     @property
     def _words(self) -> str:
@@ -65,7 +73,8 @@ class CriticalLines:
     def _pieces(self, panel: points.Line) -> list[Piece]:
         """The lines that have a part within a panel."""
         ends = [(own.min(), own.max()) for own in map(points.positions, self.axes)]
-        return [piece for piece in self._lines(panel) if _is_inside(piece, ends)]
+        corners = np.column_stack(ends)
+        return [piece for piece in self._lines(panel) if _is_inside(piece, corners)]
 
     def _lines(self, panel: points.Line) -> list[Piece]:
         """Crossings of neighbours joined, as far as they belong together."""
@@ -114,6 +123,9 @@ class CriticalLines:
         return values.where((sides[0] <= 0) | (sides[-1] <= 0))
 
 
-def _is_inside(piece: Piece, ends: Sequence[tuple[float, float]]) -> bool:
-    inside = [(own >= low) & (own <= high) for own, (low, high) in zip(piece, ends, strict=True)]
-    return bool(np.logical_and(*inside).any())
+def _is_inside(piece: Piece, corners: np.ndarray) -> bool:
+    """Whether some of a line, not of its points alone, lies between the `corners` of a map."""
+    places = np.column_stack(piece)
+    if ((corners[0] <= places) & (places <= corners[1])).all(axis=1).any():
+        return True
+    return bool(Path(places).intersects_bbox(Bbox(corners), filled=False))

@@ -96,7 +96,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         for curve in (
             _curves(layer, name, len(own) > 1, settings, sorts)
             if any(layer is one for one in along)
-            else _of_branches(layer, name, axis) or _without_axis(layer, name, dataset, axis)
+            else _of_branches(layer, name, axis, len(layers) - len(along) > 1)
+            or _without_axis(layer, name, dataset, axis)
         )
     ]
     drawn = _with_own_words(drawn)
@@ -342,14 +343,18 @@ def _narrowed(
     return middle, bar, [np.where(narrow, middle, end) for end in ends]
 
 
-def _of_branches(layer: points.Layer, name: str, axis: xr.DataArray) -> list[_Curve]:
-    """What branches along the abscissa tell of the variable, if there are any."""
-    curves = []
+def _of_branches(layer: points.Layer, name: str, axis: xr.DataArray, several: bool) -> list[_Curve]:
+    """What branches along the abscissa tell of the variable, if there are any.
+
+    Those of `several` datasets, or of one with a name of its own, are called by that.
+    """
+    curves, own = [], layer.label if several or layer.dataset.attrs.get("called") else ""
     for line, word, x, y in branch.told_of(layer.dataset, str(axis.name), name):
         sure = np.zeros(x.size, bool)
         look: dict[str, Any] = {"dash": branch.DASHES.get(word, "-"), "mark": {"marker": "None"}}
-        own = (x, y, sure, (y, y), np.zeros(x.size))
-        curves.append(_Curve(line.label, *own, **look, sort=f"{word} cycle"))
+        what = x, y, sure, (y, y), np.zeros(x.size)
+        label = points.joined(own, line.label)
+        curves.append(_Curve(label, *what, **look, sort=f"{word} cycle"))
     return curves
 
 

@@ -96,7 +96,8 @@ def has_symbol(variable: xr.DataArray, name: str) -> bool:
     stem, *subscripts = name.removesuffix("_dot").partition("_over_")[0].split("_")
     letters = stem.rstrip("0123456789")
     short = len(letters) == 1 and all(len(word) <= LONGEST_SUBSCRIPT for word in subscripts)
-    return "symbol" in variable.attrs or letters in GREEK or short
+    own = (letters in GREEK or short) and "amplitude" not in subscripts
+    return "symbol" in variable.attrs or own
 
 
 def symbol(variable: xr.DataArray, name: str) -> str:

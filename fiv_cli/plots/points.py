@@ -265,9 +265,11 @@ def relabel(figure: Figure, settings: Settings) -> None:
         for ax, word in zip(panels, words, strict=True):
             if key in settings and word and word == first:
                 ax.set(**{key: settings[key]})
-    for ax in figure.axes if "zlabel" in settings else ():
-        if ax not in panels:
-            ax.set_ylabel(settings["zlabel"])
+    bars = [ax for ax in figure.axes if ax.get_label() == "<colorbar>"]
+    if "zlabel" in settings and not bars:
+        raise UsageError("zlabel: this map has no colour bar\nnext: leave zlabel out")
+    for ax in bars if "zlabel" in settings else ():
+        ax.set_ylabel(settings["zlabel"])
 
 
 def in_si(value: float | str) -> float:

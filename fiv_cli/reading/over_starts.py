@@ -28,10 +28,10 @@ def differing(dataset: xr.Dataset) -> list[dict[str, Any]]:
     -------
     list : for each pair of a few starts, or for many together: the ``starts``, in words, at how
         many ``points`` two of them are decided, at how many of these they ``differ`` in class and
-        where (``at``), of a pair also between which ``classes`` how often; and at how many they
-        reach one class but ``another`` cycle, as L_s says, and where (``another_at``), of those
-        at which the L_s of several ``cycles`` is known; and at how many of those at which several
-        are ``stuck`` they are so ``elsewhere``, and where (``elsewhere_at``)
+        where (``at``), of a pair also between which ``classes`` how often; at how many they reach
+        one class but ``another`` cycle, as its size says, and where (``another_at``), of those at
+        which that of several ``cycles`` is known; and at how many of those at which several are
+        ``stuck`` they are so ``elsewhere``, and where (``elsewhere_at``)
     """
     reached = dataset.get("attractor")
     if reached is None or reached.dims != dataset["status"].dims or "initial" not in reached.dims:
@@ -78,21 +78,36 @@ def _differ(dataset: xr.Dataset) -> xr.DataArray:
 
 
 def _another(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
-    """Where there are cycles of several starts, and where their L_s differs by more than errors."""
-    is_cycle = is_class(dataset["attractor"], ("periodic",))
-    of_cycles = dataset.get("L_s", xr.zeros_like(is_cycle, float)).where(is_cycle)
+    """Where several starts reach cycles, and where their size differs by more than errors."""
+    of_cycles = size_of_cycles(dataset)
     several = of_cycles.notnull().sum("initial") > 1
     return several, _spread(of_cycles) > tolerance(dataset) * of_cycles.max("initial")
+
+
+def size_of_cycles(dataset: xr.Dataset) -> xr.DataArray:
+    """L_s of what is periodic or, where nothing slides at rest and there is none, its range."""
+    reached = dataset["attractor"]
+    nothing = xr.full_like(reached, float("nan"), float)
+    size = dataset.get("L_s", nothing)
+    for name in _displacements(dataset):
+        size = size.fillna(dataset[f"{name}_max"] - dataset.get(f"{name}_min", nothing))
+    return size.where(is_class(reached, ("periodic",)))
+
+
+def _displacements(dataset: xr.Dataset) -> list[str]:
+    """Those whose greatest value is known."""
+    greatest = [n for n in map(str, dataset) if n.endswith("_max") and not n.endswith("_dot_max")]
+    return [name.removesuffix("_max") for name in greatest]
 
 
 def _elsewhere(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Where several starts end stuck, and where they do so at other displacements."""
     is_stuck = is_class(dataset.get("reason", dataset["attractor"]), ("stuck",))
     elsewhere = is_stuck.any("initial") & False
-    greatest = [n for n in map(str, dataset) if n.endswith("_max") and not n.endswith("_dot_max")]
-    for name in greatest:
-        at_rest = dataset[name].where(is_stuck)
-        elsewhere |= _spread(at_rest) > tolerance(dataset) * abs(dataset[name]).max()
+    for name in _displacements(dataset):
+        greatest = dataset[f"{name}_max"]
+        at_rest = greatest.where(is_stuck)
+        elsewhere |= _spread(at_rest) > tolerance(dataset) * abs(greatest).max()
     return is_stuck.sum("initial") > 1, elsewhere
 
 

@@ -44,9 +44,16 @@ def at_each_point(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
             columns = {n: _spread(axis, points) for n, axis in axes.items()}
             columns |= _of_classes(reached)
             rows[label] = [
-                dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
+                dict(zip(columns, row, strict=True))
+                for row in zip(*columns.values(), strict=True)
+                if all(map(_is_known, row))
             ]
     return rows
+
+
+def _is_known(value: Any) -> bool:
+    """Whether it is no share of nothing."""
+    return not isinstance(value, tuple) or value[2] > 0
 
 
 def _spread(axis: xr.DataArray, points: xr.DataArray) -> list[Any]:
@@ -142,7 +149,7 @@ def lines_of_points(told: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str
 
 def _cell(value: Any) -> str:
     if isinstance(value, tuple):
-        return with_error(*value[:2]) if value[1] > 0.0 else f"{value[0]:g}"
+        return _shown(value)
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
