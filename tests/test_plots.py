@@ -2245,6 +2245,38 @@ def test_a_phase_portrait_points_in_the_direction_of_its_motion():
     assert np.abs(arrow.xyann / np.abs(corners).max(axis=(0, 1))).max() > 0.1
 
 
+def test_motions_of_several_files_share_a_phase_portrait():
+    """Each with a mark of its own, by the name of its file."""
+    layers = [
+        (name, data.history(labels=(label,))) for name, label in (("a", "far"), ("b", "near"))
+    ]
+    (ax,) = draw(layers, figure("phase")).axes
+    assert [text for text in legend_texts(ax) if text.startswith("start: ")] == [
+        "start: a",
+        "start: b",
+    ]
+    reaches = [np.ptp(line.get_xydata()[:, 0]) for line in ax.lines]
+    assert len(ax.texts) == 2 and len(reaches) >= 2
+    with pytest.raises(UsageError, match="theta_dot: no variable over time"):
+        lacking = data.history().drop_vars("theta_dot")
+        draw([layers[0], ("c", lacking)], figure("phase", x="phi", y="theta_dot"))
+
+
+def test_histories_that_have_no_room_side_by_side_stand_below():
+    """Each motion with all its variables; empty places stay empty."""
+    found = without_events(data.history()).isel(initial=[0, 1, 0])
+    found["initial"] = ["start-0", "start-1", "start-2"]
+    drawn = draw(found, figure("history", variable=["phi", "theta"]), look=look_of("paper", 84.0))
+    titled = [ax.get_title() for ax in drawn.axes]
+    assert titled == ["start-0", "start-1", "", "", "start-2", "", "", ""]
+    assert [ax.axison for ax in drawn.axes] == [True] * 5 + [False, True, False]
+    resting = data.history(labels=("far",))
+    for name in ("phi", "phi_dot", "theta", "theta_dot"):
+        resting[name] = 0.0 * resting[name] + (1e-17 if name.endswith("_dot") else 0.02)
+    (ax,) = draw(resting, figure("history", variable="phi_dot")).axes
+    assert not ax.lines[0].get_ydata().any()  # what it has is rounding
+
+
 @pytest.mark.parametrize("turn", [0.0, 1.5 * np.pi])
 def test_the_arrow_of_a_phase_portrait_does_not_hide_its_start(turn):
     """It stands on the straight part of the curve, that of stick, beside where that begins."""

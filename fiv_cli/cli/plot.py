@@ -117,10 +117,10 @@ def command(
 
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
     any, a figure of each kind that suits it. Several files share one figure where that makes
-    sense (curve, bifurcation, branch), each called by what it differs in, or as --label says; a
-    bifurcation diagram takes the cycles of files that hold a branch, and so does a curve of an
-    amplitude or extreme. Kinds: map, basin, bifurcation, curve,
-    branch, eigenvalues, history, phase, spectrum, spectrogram, mode-shape. A figure that would be
+    sense (curve, bifurcation, branch, phase), each called by what it differs in, or as --label
+    says; a bifurcation diagram takes the cycles of files that hold a branch, and so does a curve of
+    an amplitude or extreme. Kinds: map, basin, bifurcation, curve, branch, eigenvalues, history,
+    phase, spectrum, spectrogram, mode-shape. A figure that would be
     empty is not written, and says why. Of several figures -o b.png makes b-a-NAME.png of each.
 
     \b

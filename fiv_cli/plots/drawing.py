@@ -69,7 +69,7 @@ KINDS: dict[str, Kind] = {
     "curve": Kind(curve.suits, curve.draw, overlays=True),
     "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
     "history": Kind(history.suits, history.draw),
-    "phase": Kind(phase.suits, phase.draw),
+    "phase": Kind(phase.suits, phase.draw, overlays=True),
     "spectrum": Kind(spectrum.suits, spectrum.draw),
     "spectrogram": Kind(spectrogram.suits, spectrogram.draw),
     "mode-shape": Kind(mode_shape.suits, mode_shape.draw),

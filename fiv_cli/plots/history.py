@@ -11,8 +11,10 @@ from matplotlib.patches import Patch
 
 from fiv_cli.plots import labels, motion, points, style
 from fiv_cli.plots.drawn import DECORATION
+from fiv_cli.reading import sampling
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -20,29 +22,23 @@ if TYPE_CHECKING:
 suits = motion.suits
 OTHER_STICKS: dict[str, Any] = {"fill": False, "hatch": "//", "ec": "#777777", "lw": 0.0}
 SHADES = {"slip+": 0.15, "slip-": 0.3, "stick": 0.4, "separation": 0.4}
+LETTERS = 19  # for which a panel has room at least
 COLUMNS = 600  # short times over which the range of many samples is drawn ...
 FEWEST_IN_COLUMN = 8  # ... where there are as many
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """A row for each variable, of each contact that it has a value of; a column for each motion."""
+    """A row for each variable, of each contact that it has a value of; a column for each motion.
+
+    Of motions that have no room side by side further ones stand below.
+    """
     dataset = layers[0].dataset
     motions = motion.motions(dataset, settings)
     names = motion.variables(dataset, settings)
     rows = [
         (name, own) for name in names for own in motion.of_each_contact(dataset, name, settings)
     ]
-    figure, axes = style.new_panels(len(rows), len(motions), points.title(dataset), sharex="col")
-    for number, ax in enumerate(axes):
-        row, column = divmod(number, len(motions))
-        (name, own), one = rows[row], motions[column]
-        _panel(ax, one, name, own, coarse=one.is_coarse(*names))
-        if row == 0:
-            ax.set_title(motions[column].label)
-        if column == 0:
-            ax.set_ylabel(motion.label_of(dataset[name], own))
-        if row == len(rows) - 1:
-            ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
+    figure, axes = _draw_panels(dataset, motions, rows, names)
     every = [own for _, own in rows]
     contact = motion.named_contact(dataset, *every)
     words = motion.others_sticking(motions, *every)
@@ -53,6 +49,34 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     return figure
 
 
+def _draw_panels(
+    dataset: xr.Dataset,
+    motions: Sequence[motion.Motion],
+    rows: Sequence[tuple[str, points.Settings]],
+    names: Sequence[str],
+) -> tuple[Figure, list[Axes]]:
+    """Blocks of a column for each motion, as many as stand side by side, and of all rows."""
+    columns = style.side_by_side(len(motions), len(motions), LETTERS)
+    blocks = -(-len(motions) // columns)
+    title, shared = points.title(dataset), "col" if blocks == 1 else False
+    figure, axes = style.new_panels(blocks * len(rows), columns, title, sharex=shared)
+    for number, ax in enumerate(axes):
+        below, column = divmod(number, columns)
+        block, row = divmod(below, len(rows))
+        place, (name, own) = block * columns + column, rows[row]
+        if place >= len(motions):
+            ax.set_axis_off()
+            continue
+        _panel(ax, motions[place], name, own, coarse=motions[place].is_coarse(*names))
+        if row == 0:
+            ax.set_title(motions[place].label)
+        if column == 0:
+            ax.set_ylabel(motion.label_of(dataset[name], own))
+        if row == len(rows) - 1:
+            ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
+    return figure, axes
+
+
 def _panel(
     ax: Axes, one: motion.Motion, name: str, settings: points.Settings, *, coarse: bool
 ) -> None:
@@ -61,6 +85,8 @@ def _panel(
     for _, begin, end in motion.other_sticks(one, settings):
         ax.axvspan(begin, end, **OTHER_STICKS)
     values, many = motion.of_contact(one.data[name], settings), one.time.size > style.MANY_MARKS
+    if name.endswith("_dot") and sampling.is_at_rest(one.data):
+        values = np.zeros_like(values)  # what it has is rounding
     if "point" in one.data[name].dims:
         for curve, label, color in zip(values, motion.places(one), cycle(style.LINES)):
             _curve(ax, one, name, curve, coarse, color=color, label=label, rasterized=many)

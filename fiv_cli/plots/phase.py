@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,15 +38,20 @@ HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """A panel for each motion, or one for all (``overlay``); a mark stands at each start.
+    """A panel for each motion, or one for all (``overlay``, and those of several datasets); a mark
+    stands at each start.
 
     It names a motion among a few in one panel, of settled ones at some point of each.
     """
-    dataset = layers[0].dataset
-    motions = motion.motions(dataset, settings)
-    names = _states(dataset, settings)
-    shared = bool(settings.get("overlay"))
-    marks = _marks(motions, shared, _shows_starts(dataset, settings))
+    datasets = [layer.dataset for layer in layers]
+    dataset, shared = datasets[0], bool(settings.get("overlay")) or len(layers) > 1
+    motions = [
+        replace(one, label=points.joined(layer.label, one.label))
+        for layer in layers
+        for one in motion.motions(layer.dataset, {**settings, "overlay": shared})
+    ]
+    names, *_ = [_states(one, settings) for one in datasets]  # which all must have
+    marks = _marks(motions, shared, all(_shows_starts(one, settings) for one in datasets))
     figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(dataset))
     for number, (one, mark) in enumerate(zip(motions, marks, strict=True)):
         _panel(axes[0 if shared else number], one, names, mark, settings)

@@ -101,6 +101,7 @@ IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 MM = 1.0 / 25.4  # inches
 LEAST_PANEL = 14.4  # upright, in heights of letters
+PROPOSED = 300.0  # mm: no wider figure is proposed
 NARROW_PANEL = 6.0  # in heights of letters: less holds no more than two ticks
 NARROWEST, WIDEST = 20.0, 2000.0  # mm
 
@@ -465,9 +466,9 @@ def finish(figure: Figure) -> None:
             if _GIVEN.get() is None and clear_legends(figure):
                 _set_words(figure, words, added)
         except UserWarning:  # the words leave nothing for the panels
-            raise _cramped(figure) from None
+            raise _cramped(figure, words) from None
     if _GIVEN.get() is None and _LOOK.get().width is not None and not _has_room(figure):
-        raise _cramped(figure)
+        raise _cramped(figure, words)
     thicken(figure)
 
 
@@ -478,11 +479,29 @@ def _has_room(figure: Figure) -> bool:
     return all(place.width * figure.get_figwidth() >= least for place in places)
 
 
-def _cramped(figure: Figure) -> UsageError:
-    """That panels have no room for what they show, and what gives them more."""
+def _cramped(figure: Figure, words: Sequence[tuple[str, str, str]]) -> UsageError:
+    """That panels have no room for what they show, and what gives them enough."""
     width, height = (side / MM for side in figure.get_size_inches())
-    way = "leave --height out" if _LOOK.get().height else f"--width {10.0 * (width // 8.0 + 1.0):g}"
+    tall = _LOOK.get().height
+    for wide in np.arange(10.0 * (width // 10.0 + 1.0), PROPOSED, 10.0):
+        figure.set_size_inches(wide * MM, (tall or height * wide / width) * MM)
+        if _fits(figure, words):
+            way = f"--width {wide:g}"
+            break
+    else:
+        way = "leave --height out" if tall else "choose fewer panels with `select` in the figure"
     return UsageError(f"its panels have no room in {width:.0f} by {height:.0f} mm\nnext: {way}")
+
+
+def _fits(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:
+    """Whether panels have room at the size that a figure has now."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", "constrained_layout not applied")
+        try:
+            _set_words(figure, words, 0)
+        except UserWarning:
+            return False
+    return _has_room(figure)
 
 
 def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int) -> int:
@@ -573,14 +592,20 @@ def grid_of_panels(
 
     In a figure of given width each panel has room for `least` letters side by side.
     """
-    width = _LOOK.get().width
-    if width is not None and least:
-        most_columns = max(1, min(most_columns, _letters(width * MM) // least))
-    columns = min(count, most_columns)
+    columns = side_by_side(count, most_columns, least)
     figure, axes = new_panels(-(-count // columns), columns, title, **shared)
     for ax in axes[count:]:
         ax.set_axis_off()
     return figure, axes, columns
+
+
+def side_by_side(count: int, most: int, least: int) -> int:
+    """How many of `count` panels, `most` of them, stand side by side, each with room for `least`
+    letters in a figure of given width."""
+    width = _LOOK.get().width
+    if width is not None and least:
+        most = max(1, min(most, _letters(width * MM) // least))
+    return min(count, most)
 
 
 def _given_panel(axis: Axes, count: int, title: str, form: object) -> tuple[Figure, list[Axes]]:
