@@ -416,7 +416,7 @@ def test_history_does_not_replace_a_sweep(capsys: pytest.CaptureFixture[str]) ->
     assert fiv(["history", "belt.toml", *at, "-o", "motion.nc"]) == 0
     assert "replaced" not in capsys.readouterr().err
     assert fiv(["history", "belt.toml", *at, "-o", "motion.nc"]) == 0
-    told = "motion.nc: the motion at v=0.5, initial=rest that it holds is replaced"
+    told = "motion.nc: the motion at v=0.5, initial=rest that it held is replaced"
     assert told in capsys.readouterr().err
     assert fiv(["history", "belt.toml", *at, "--sample", "-1"]) == 2
 

@@ -18,6 +18,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
+from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import Millimetres
 from fiv_cli.cli.plot import command as plot_command
@@ -1333,6 +1334,46 @@ def test_a_map_has_the_label_of_its_colour_bar_that_it_asks_for():
     assert bar.get_ylabel() == "index"
     with pytest.raises(UsageError, match="this map has no colour bar"):
         draw(data.stability_map(), figure("map", zlabel="class"))
+
+
+@pytest.mark.parametrize("log", [False, "z"])
+def test_the_shades_of_a_map_reach_as_far_as_it_says(log):
+    """What lies beyond has the colour of the end; 0 has one of its own where there is no log."""
+    dataset = data.stability_map(initial=("reached",))
+    values = np.geomspace(1e-9, 1.0, dataset["L_s"].size)
+    dataset["L_s"] = dataset["L_s"].copy(data=values.reshape(dataset["L_s"].shape))
+    dataset["L_s"].values.ravel()[0] = 0.0
+    drawn = draw(dataset, figure("map", variable="L_s", log=log, zlim=(1e-4, 1e-2)))
+    (mesh,) = drawn.findobj(QuadMesh, include_self=False)[:1]
+    assert (mesh.norm.vmin, mesh.norm.vmax) == (1e-4, 1e-2)
+    shown = np.ma.filled(mesh.get_array(), np.nan)
+    outside = {*shown[(shown < 1e-4) | (shown > 1e-2)].ravel()}
+    assert outside == ({0.5e-4} if log else set())
+    assert mesh.colorbar.extend == "both"
+
+
+def test_equilibria_of_a_diagram_of_cycles_are_those_beside_it():
+    """Where nothing says what L_s is measured from: an analysis `equilibrium` of the case does."""
+    case = api.load(
+        {
+            "schema": 1,
+            "model": {"name": "flutter-2dof", "parameters": {"c1": 0.1, "c2": 0.1}},
+            "grid": {"mu_k": [4.0, 5.0, 6.0]},
+            "initial": [{"kind": "equilibrium", "label": "near", "offset": {"x": 0.1}}],
+            "analysis": [
+                {"kind": "cycle", "section": {"zero": "x_dot"}, "t_max": 400.0},
+                {"kind": "eigenvalues"},
+                {"kind": "equilibrium"},
+            ],
+        }
+    )
+    found = {name: of.to_dataset() for name, of in api.run(case, workers=1).children.items()}
+    (ax,) = draw(found, figure("bifurcation", x="mu_k")).axes
+    heights = found["equilibrium"]["equilibrium"].sel(state="x").values.ravel()
+    drawn = marks(ax, "unstable equilibrium")
+    unstable = drawn[np.isfinite(drawn).all(axis=1)]
+    assert unstable[-1].tolist() == [6.0, heights[2]] and (unstable[:, 0] > 4.0).all()
+    assert len(marks(ax, "stable equilibrium"))
 
 
 def test_a_line_that_passes_between_its_points_is_inside_a_map():

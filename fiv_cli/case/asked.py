@@ -76,7 +76,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     known = _known(case, held, analysis, figure.kind in OF_MOTIONS)
     if known and SHOWN.get(figure.kind, "status") not in known:
         message = f"no analysis of this case gives what a figure of kind {figure.kind!r} shows"
-        report.add((*place, "kind"), message, _kinds(known))
+        given = computed_by(SHOWN[figure.kind])
+        report.add((*place, "kind"), "\n".join(filter(None, (message, given))), _kinds(known))
         return
     if figure.kind == "phase" and known:
         _check_phase(figure, known, place, report)

@@ -56,16 +56,17 @@ INSTEAD = {"contact": "select = { contact = NUMBER }"}
 FIGURES = {
     "map": (
         "a variable over two axes: classes in colours, numbers in shades or as lines",
-        ("x", "y", "variable", "take", "level", "overlay", "zlabel"),
+        ("x", "y", "variable", "take", "level", "overlay", "zlim", "zlabel"),
     ),
     "basin": (
         "starts over two of their states, coloured by what they reach, and where they rest",
         ("x", "y"),
     ),
     "bifurcation": (
-        "what motions pass at the section and where they rest, along an axis; with the equilibria, "
-        "stable or not, of an `eigenvalues` analysis of the case, and the cycles of a `cycle` on "
-        "the same section (of unstable ones on another their extremes)",
+        "what motions pass at the section and where they rest, along an axis, of a `response` or a "
+        "`cycle`; with the equilibria, stable or not, where the case has `eigenvalues`, too (and, "
+        "without a `response`, `equilibrium`), and the cycles of a `cycle` on the same section (of "
+        "unstable ones on another their extremes)",
         ("x", "variable"),
     ),
     "curve": (

@@ -437,6 +437,7 @@ class FigureTable(Table):
     )
     xlim: Interval | None = Field(default=None, description="range of x")
     ylim: Interval | None = Field(default=None, description="range of y")
+    zlim: Interval | None = Field(default=None, description="map: range of its shades")
     xlabel: str | None = Field(default=None, description="label of x, in place of its own")
     zlabel: str | None = Field(
         default=None, description="map: label of its colour bar, in place of its own"

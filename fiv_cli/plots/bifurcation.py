@@ -534,18 +534,29 @@ def _equilibria(
     """
     diagram = layer.dataset
     nowhere = dict.fromkeys(EQUILIBRIA, diagram["status"] * np.nan)
-    if "L_s_reference" not in diagram or observed not in diagram["state"]:
+    parts = [_of_the_same(one, diagram) for one in (*layer.beside, *others)]
+    beside = [one for one in parts if one is not None and axis.name in one.coords]
+    place = _heights(diagram, beside, observed)
+    judged = next((d["stable"] for d in beside if {"stable", "growth_rate"} <= {*d}), None)
+    if judged is None or place is None:
         return nowhere
-    beside = [_of_the_same(one, diagram) for one in (*layer.beside, *others)]
-    told = [d for d in beside if d is not None and {"stable", "growth_rate"} <= {*d}]
-    judged = next((d["stable"] for d in told if axis.name in d.coords), None)
-    if judged is None:
-        return nowhere
-    number = _linearised_at(diagram)
-    known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
-    place = known.sel(state=observed).max([d for d in known.dims if d == "initial"])
     called = {word: place.where(is_class(judged, (word,))) for word in EQUILIBRIA}
     return {word: here.reindex_like(place) for word, here in called.items()}  # of another grid
+
+
+def _heights(
+    diagram: xr.Dataset, beside: Sequence[xr.Dataset], observed: str
+) -> xr.DataArray | None:
+    """Those of the equilibrium that is linearised: what L_s is measured from or, where a diagram
+    has none, what an `equilibrium` analysis beside it found."""
+    number = _linearised_at(diagram)
+    if "L_s_reference" in diagram and observed in diagram["state"]:
+        known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
+        return known.sel(state=observed).max([dim for dim in known.dims if dim == "initial"])
+    for one in beside:
+        if "equilibrium" in one and observed in one["state"] and number <= one.sizes["solution"]:
+            return one["equilibrium"].isel(solution=number - 1).sel(state=observed)
+    return None
 
 
 def _all_of(equilibria: Mapping[str, xr.DataArray]) -> xr.DataArray:

@@ -44,6 +44,9 @@ MOST_FOLDED = 1.5  # lines that a label of one of several panels may take, else 
 HATCH = "////"
 MOST_COUNTS = 12  # that have a shade each
 MIDDLE = "undecided points: middle of least and greatest"
+# Whether there is less, and more, than a colour bar holds -> how that is shown.
+EXTENDED = {(False, False): "neither", (True, False): "min", (False, True): "max",
+            (True, True): "both"}  # fmt: skip
 BELOW = "#DDDDDD"  # of numbers that have no logarithm
 
 
@@ -77,7 +80,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     if is_class:
         _paint_classes(figure, axes, planes, keys)
     else:
-        _paint_numbers(figure, axes, planes, keys, logarithmic="z" in str(settings.get("log")))
+        shades = [points.in_si(end) for end in settings.get("zlim", ())]
+        logarithmic = "z" in str(settings.get("log"))
+        _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
         for one in lines:
             one.draw(ax, panel, colour)
@@ -402,30 +407,32 @@ def _paint_numbers(
     axes: Sequence[Axes],
     planes: _Planes,
     handles: Sequence[Artist],
+    shades: Sequence[float],
     *,
     logarithmic: bool,
 ) -> None:
     values = _with_rests(planes, numbers(planes.array).where(planes.computed))
     known = values.values[np.isfinite(values.values)]
-    low, high = _ends(known, logarithmic)
+    low, high = shades or _ends(known, logarithmic)
     counts = np.arange(low, high + 1.0)
     whole = is_count(str(planes.array.name)) and bool((known == known.round()).all())
     counted = whole and len(counts) <= MOST_COUNTS and not logarithmic
     norm = _norm(low, high, logarithmic=logarithmic, counted=counted)
-    below = bool((known < low).any())
+    least = 0.0 if logarithmic and low > 0.0 else -np.inf  # a logarithm paints no zero
     colours = colormaps["cividis"].with_extremes(under=BELOW)
     for ax, panel in zip(axes, planes.panels, strict=False):
         plane = planes.of(values, panel)
-        shown = np.where(plane < low, 0.5 * low, plane)  # a logarithm paints no zero
+        shown = np.where(plane <= least, 0.5 * low, np.clip(plane, low, high))
         image = planes.mesh(ax, shown, cmap=colours, norm=norm)
         hatch(ax, np.isnan(plane))
     # which contact, where one of several is shown
     of_several = str(planes.dataset.attrs.get("of_several", ""))
     figure.colorbar(
         image, ax=list(axes), label=points.joined(labels.axis_label(planes.array), of_several),
-        extend="min" if below else None, ticks=counts if counted else None,
+        extend=EXTENDED[bool((known < low).any()), bool((known > high).any())],
+        ticks=counts if counted else None,
     )  # fmt: skip
-    if below:
+    if (known <= least).any():
         handles = [*handles, Patch(color=BELOW, label="0" if known.min() == 0.0 else "not above 0")]
     unbounded = bool((_unsure(planes)[MIDDLE] & values.isnull()).any())
     why = points.joined(

@@ -55,6 +55,7 @@ class Settings(TypedDict, total=False):
     log: bool | str
     xlim: tuple[float | str, float | str]
     ylim: tuple[float | str, float | str]
+    zlim: tuple[float | str, float | str]
     xlabel: str
     zlabel: str
     ylabel: str
@@ -266,8 +267,9 @@ def relabel(figure: Figure, settings: Settings) -> None:
             if key in settings and word and word == first:
                 ax.set(**{key: settings[key]})
     bars = [ax for ax in figure.axes if ax.get_label() == "<colorbar>"]
-    if "zlabel" in settings and not bars:
-        raise UsageError("zlabel: this map has no colour bar\nnext: leave zlabel out")
+    for key in ("zlabel", "zlim") if not bars else ():
+        if key in settings:
+            raise UsageError(f"{key}: this map has no colour bar\nnext: leave {key} out")
     for ax in bars if "zlabel" in settings else ():
         ax.set_ylabel(settings["zlabel"])
 

@@ -163,11 +163,11 @@ def write_motion(
     stored = (global_attributes(path) or {}) if path.exists() else {}
     if stored and MOTION not in stored:
         raise UsageError(f"{path}: holds a sweep; it is left alone\nnext: -o ANOTHER.nc")
+    dataset, outcome = run_motion(point, settings, announce, steady=steady)
     if stored:
         same = str(stored["fingerprint"]) == identity
         other = "" if same else " (another case, or this one before)"
-        announce(f"{path}: the motion at {stored[MOTION]}{other} that it holds is replaced")
-    dataset, outcome = run_motion(point, settings, announce, steady=steady)
+        announce(f"{path}: the motion at {stored[MOTION]}{other} that it held is replaced")
     attributes = provenance(point.case, identity)
     place = [f"{name}={value}" for name, value in point.place.items()]
     settled = steady is not None and steady.settled
