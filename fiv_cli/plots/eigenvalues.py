@@ -26,7 +26,8 @@ SAME = 0.01
 MARKED = 40  # unstable points of a line that have a mark, about
 # Of several lines of a mode what is unstable is a band beneath: their dashes are seen.
 BAND: dict[str, Any] = {
-    "color": "#F6C3A0", "lw": 4.0, "marker": "o", "ms": 4.0, "mew": 0.0, "zorder": 1.5
+    "color": "#F6C3A0", "lw": 4.0, "marker": "o", "ms": 4.0, "mew": 0.0, "zorder": 1.5,
+    "solid_capstyle": "butt",
 }  # fmt: skip
 DOTS: dict[str, Any] = {
     "color": style.VERMILLION, "ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0, "zorder": 4
@@ -110,7 +111,10 @@ def _mark(
         marked = np.flatnonzero(unstable)[:: max(1, x.size // MARKED)]
         ax.plot(x[marked], y[marked], label=DECORATION, **look)
     else:
-        ax.plot(x, np.where(unstable, y, np.nan), label=DECORATION, **look)
+        shown = np.where(unstable, y, np.nan)
+        known = np.isfinite(np.pad(shown, 1, constant_values=np.nan))
+        alone = np.flatnonzero(known[1:-1] & ~known[:-2] & ~known[2:])  # no line reaches over it
+        ax.plot(x, shown, markevery=alone.tolist(), label=DECORATION, **look)
 
 
 def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
