@@ -356,7 +356,8 @@ def test_what_is_not_known_well_enough_says_what_lessens_the_error():
     of_runs = '{"b": {"settings": {"width": 0.01, "bracket": [4, 8]}}}'
     found = tried(wide.assign_attrs(analyses_json=of_runs), "boundary", {"less_than": 6}).found
     assert found.endswith(
-        "runs beside it are undecided: a larger `t_max` of the analysis 'b' lessens it"
+        "runs beside it are undecided: a larger `t_max` of the analysis 'b' lessens it; "
+        "where an equilibrium loses its stability, an analysis `critical` finds it"
     )
     critical = near.assign_attrs(analyses_json=told % "system")
     assert "no setting" in tried(critical, "boundary", {"less_than": 6}).found
@@ -782,6 +783,22 @@ def test_a_case_may_claim_where_a_class_occurs(workplace):
     (workplace / "stick.toml").write_text(CASE.replace('expect = "periodic"', expect))
     store(["equilibrium", "periodic", "periodic"])
     assert "confirmed" in run("stick.toml").output
+
+
+def test_what_is_taken_of_another_case_is_taken_over_its_own_axes(workplace, capsys):
+    damped = CASE.replace('"belt-1dof"', '"belt-1dof"\nparameters = { c = 0.1 }')
+    plain, claim = damped.split("[[claim]]")
+    start = '[[initial]]\nlabel = "at"\nkind = "state"\n'
+    lattice = plain.replace("0.3]\n", f'0.3]\n"initial.x" = [0.0, 1.0]\n\n{start}')
+    (workplace / "lattice.toml").write_text(lattice)
+    share = 'take = { what = "share", of = "periodic", over = "%s" }'
+    there = f'{{ case = "lattice", {share % "initial.x"} }}'
+    claim = claim.replace('"periodic"', f"{{ value = {there}, tolerance = 0.5 }}")
+    (workplace / "stick.toml").write_text(f"{plain}[[claim]]{claim}{share % 'initial'}\n")
+    for case in ("lattice.toml", "stick.toml"):
+        assert fiv(["run", case, "-q"]) == 0
+    assert fiv(["check", "stick.toml"]) == 0
+    assert "1 confirmed" in run("stick.toml").output
 
 
 def test_the_ledger_as_json(workplace):

@@ -84,6 +84,8 @@ def test_a_table_of_the_points_that_have_a_class():
     of_class = is_class(moving["attractor"], ("periodic",))
     assert len(told) == int(moving["section_row_size"].where(of_class).sum())
     assert len(told) > 0 == len(rows(moving, "section_value", attractor="equilibrium"))
+    both = rows(moving, "attractor", "section_value", attractor="periodic")
+    assert {row["attractor"] for row in both if row["section_value"]} == {"periodic"}
 
 
 def test_values_of_any_number_per_point_stand_beside_their_points():

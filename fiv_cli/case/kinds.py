@@ -216,7 +216,8 @@ ends say the same: one about a border is not while undecided points lie beside i
 points leave a claim undetermined where they could turn it, unless they are no more than 0.5 % of
 those it is tried on: then the rest decides, whatever they might hold. A share over random starts is
 held as it was found: its standard error is told, and not allowed for (add two or three of them to a
-tolerance).
+tolerance). One over a lattice of starts (axes initial.x) counts its points, each alike: lay them in
+the middles of cells, not on the edges of the range.
 
 A map draws the line at which its numbers have a `level` (one or several), of an interval that of
 each end; with overlay = true the lines alone, all in one panel. Over a map of anything, of classes

@@ -152,10 +152,18 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
     return changed
 
 
-def _take(table: TakeTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:
-    """What is taken, its axes by their contract names and its reference in SI."""
-    known = [*answers.axis_names(), "initial", *own_dims()]
+def _take(
+    table: TakeTable, answers: Answers, place: Path, report: Report, elsewhere: bool = False
+) -> dict[str, Any]:
+    """What is taken, its axes by their contract names and its reference in SI.
+
+    Of a case `elsewhere` they are left as they are, since its axes are its own.
+    """
     over = list(map(axis_name, table.over))
+    if elsewhere:
+        kept = {"of": table.of, "relative_to": dict(table.relative_to or {})}
+        return {"what": table.what, "over": over} | {k: one for k, one in kept.items() if one}
+    known = [*answers.axis_names(), "initial", *own_dims()]
     for name in [name for name in over if name not in known]:
         message = f"{name!r} is no axis of this case"
         note_no_axis(name, message, (*place, "over"), known, answers.physics, report)
@@ -293,5 +301,6 @@ def _reference(
         form = read_table(TakeTable, take, (*place, "take"), report)
     else:
         form = claim.take if variable == claim.variable else None
-    taken = _take(form, answers, (*place, "take"), report) if form else {}
+    elsewhere = bool(said.case)
+    taken = _take(form, answers, (*place, "take"), report, elsewhere) if form else {}
     return replace(said, variable=variable, analysis=analysis, at=at, take=taken)

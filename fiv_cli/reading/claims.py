@@ -65,6 +65,8 @@ CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermin
 NOT_RUN = "not run"
 LOOKED_AT = 8  # datasets, the newest, for one of another name
 
+BY_EIGENVALUES = "where an equilibrium loses its stability, an analysis `critical` finds it"
+
 # Share of the points that may be open without leaving a claim undetermined that the rest decides.
 HANDFUL = 0.005
 
@@ -472,7 +474,7 @@ def _sharpened(analysis: str, dataset: xr.Dataset, reached: xr.DataArray | None)
     if "width" not in settings:
         return "no setting of the analysis lessens it; allow for it in `expect`"
     if reached is not None and bool(wider_than_asked(dataset, settings, reached).any()):
-        return f"{beside(dataset)} of the analysis {called!r} lessens it"
+        return f"{beside(dataset)} of the analysis {called!r} lessens it; {BY_EIGENVALUES}"
     return f"a smaller `width` of the analysis {called!r} lessens it"
 
 

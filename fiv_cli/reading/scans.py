@@ -11,7 +11,7 @@ import numpy as np
 from fiv_cli.analyses.base import Question
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.notation.amounts import with_error
-from fiv_cli.reading.claims import beside, point_name, wider_than_asked
+from fiv_cli.reading.claims import BY_EIGENVALUES, beside, point_name, wider_than_asked
 from fiv_cli.reading.datasets import class_names, is_class
 
 if TYPE_CHECKING:
@@ -35,7 +35,6 @@ _ENDS = {
     "both": (("scan_class", -1, "upper"), ("scan_class_back", 0, "lower")),
 }
 COARSE = "boundary_width is more than was asked for"
-BY_EIGENVALUES = "where an equilibrium loses its stability, an analysis `critical` finds it"
 _GOING_ON = ("equilibrium", "periodic", "quasiperiodic", "chaotic")
 
 

@@ -130,11 +130,12 @@ def _rows(
         not {*dataset[name].dims} <= {*first.dims} for name in [*points, *results]
     ):
         raise UsageError(_in_rows_of_their_own(dataset, ragged, points, first))
-    with_points = in_words.set_coords(points).assign_coords(dict(zip(results, chosen, strict=True)))
+    masks = {f"is {name}": mask for name, mask in zip(results, chosen, strict=True)}
+    with_points = in_words.set_coords(points).assign_coords(masks)
     without = select.subset(in_words[points].where(first == 0), at, nearest=False)
     held = [select.observations(with_points, name, at) for name in ragged]
-    for name in results:
-        held = [values[values[name].values.astype(bool)] for values in held]
+    for has in masks:
+        held = [values[values[has].values.astype(bool)] for values in held]
     return held, [without[name] for name in points]
 
 
