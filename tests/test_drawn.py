@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 from pathlib import Path
 
 import numpy as np
@@ -217,6 +218,17 @@ def test_files_are_called_as_they_are_labelled(tmp_path, monkeypatch):
     twice = ["plot", "a.nc", "a.nc", "--label", "one", "--label", "two"]  # each in its place
     assert fiv([*twice, "--figure", "curve", "-o", "c.csv"]) == 0
     assert all(f"{label}, far" in Path("c.csv").read_text() for label in ("one", "two"))
+
+
+def test_a_table_of_the_lines_of_a_map_says_that_it_is_of_these_alone(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    asked = {"name": "m", "kind": "map", "settings": {"variable": "L_s", "level": 1e-3}}
+    data.stability_map().assign_attrs(figures_json=json.dumps([asked])).to_netcdf("a.nc")
+    assert fiv(["plot", "a.nc", "--figure", "m", "-o", "m.csv", "-o", "m.png"]) == 0
+    (told,) = [line for line in capsys.readouterr().err.splitlines() if "m.csv" in line]
+    assert "the map itself: fiv show FILE.nc --csv" in told
 
 
 def test_several_outputs_are_those_of_each_alone(tmp_path, monkeypatch, capsys):

@@ -1875,6 +1875,7 @@ def test_a_curve_of_shares_of_random_starts_has_their_standard_error(kind, bars)
     (ax,) = draw(data.basin().assign_attrs(starts_json=starts), figure("curve", **settings)).axes
     share = ax.lines[0].get_ydata()
     drawn = [bar[:, 1] for bars_ in ax.collections for bar in bars_.get_segments()]
+    assert all(0.0 <= low <= high <= 1.0 for low, high in drawn)
     assert len(drawn) == bars == 2 * [*map(Line2D.get_label, ax.lines)].count("standard error")
     for (low, high), p in zip(drawn, share, strict=False):
         assert high - low == pytest.approx(2.0 * np.sqrt(p * (1.0 - p) / 200))
@@ -1980,6 +1981,17 @@ def test_no_line_leads_from_one_motion_to_that_of_another_start():
     assert np.isfinite(near).all()
     cuts = np.flatnonzero(np.isnan(far[:, 0]))
     assert [far[cut - 1, 0] <= 2.0 < far[cut + 1, 0] for cut in cuts] == [True]
+
+
+def test_no_error_of_a_share_reaches_beyond_0_and_1():
+    """Of few that were decided, and some that were not."""
+    found = data.bifurcation().rename(L_s="share")
+    found["share"] = found["share"].copy(data=np.full(found["share"].shape, 0.01))
+    found["standard_error"] = found["share"] * 5.0
+    (ax,) = draw(found, figure("curve", variable="share")).axes
+    bars = [line[:, 1] for bars in ax.collections for line in bars.get_segments() if len(line)]
+    assert len(bars) > 0
+    np.testing.assert_allclose(bars, [[0.0, 0.06]] * len(bars))
 
 
 @pytest.mark.parametrize("name", ["L_s_error", "L_s_standard_error"])

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     Sources = list[tuple[Path, dict[str, xr.Dataset]]]
 
 
+LINES_ALONE = (
+    "the lines on the map alone; the map itself: fiv show FILE.nc --csv VARIABLE -o FILE.csv"
+)
 SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
 
 
@@ -145,6 +148,7 @@ def command(
     if titled and any(file.name.lower() in SAID_OF_A_FLAG and not file.exists() for file in files):
         raise UsageError("--title takes no value\nnext: --title, or --no-title")
     from fiv_cli.plots import look_of, save
+    from fiv_cli.plots.drawn import has_plane
 
     look = look_of(style, width, font, titled, height)
     undrawn: list[UsageError] = []
@@ -157,6 +161,8 @@ def command(
         try:
             save(figure, path, look)
             click.echo(path)
+            if path.suffix == ".csv" and has_plane(figure):
+                click.echo(f"{path}: {LINES_ALONE}", err=True)
         except UsageError as error:
             undrawn.append(error)
     for one in undrawn[:-1]:

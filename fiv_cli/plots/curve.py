@@ -190,7 +190,9 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     y = np.where(bounded, 0.5 * (low + high) + shift, y)
     off = np.where(bounded, off + 0.5 * (high - low), off)  # beyond both of what may be
     if np.nan_to_num(off).any():
-        bars = ax.errorbar(curve.x, y, off, fmt="none", ecolor=entry.colour, lw=0.8, capsize=CAP)
+        least, most = curve.limits
+        both = np.stack([np.minimum(off, y - least), np.minimum(off, most - y)])
+        bars = ax.errorbar(curve.x, y, both, fmt="none", ecolor=entry.colour, lw=0.8, capsize=CAP)
         _, caps, (lengths,) = bars.lines
         lengths.set_label(points.unlisted(entry.label, "error bar"))
         wide = np.flatnonzero(off > UNSEEN * np.nan_to_num(np.abs(y)).max())
@@ -246,7 +248,7 @@ class _Curve:
     `ends` are the least and the greatest that each may be, `error` is how far it may be off:
     infinite where that is not known. `jumps` are the places at which another class begins. `sort`
     is what `dash` and `mark` mean, where colours mean another thing. A line `of_crossings` has no
-    gaps.
+    gaps. No error reaches beyond the `limits`, such as 0 and 1 of a share.
     """
 
     label: str
@@ -260,6 +262,7 @@ class _Curve:
     mark: Mapping[str, Any] = field(default_factory=lambda: DOT)
     sort: str = ""
     of_crossings: bool = False
+    limits: tuple[float, float] = (-np.inf, np.inf)
 
     @property
     def is_marked(self) -> bool:
@@ -314,7 +317,8 @@ def _curves(
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
         jumps = (np.flatnonzero(apart) + 1).tolist()
         label = points.joined(words, layer.label, line.label)
-        curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps))
+        limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
+        curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps, limits=limits))
     return curves
 
 

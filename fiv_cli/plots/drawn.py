@@ -55,7 +55,7 @@ def as_csv(figure: Figure, path: Path) -> str:
     ------
     UsageError : the figure paints a plane, and there are no lines on it
     """
-    if figure.findobj(QuadMesh) and not _has_lines(figure):
+    if has_plane(figure) and not _has_lines(figure):
         raise UsageError(
             f"{path}: not written: a table of points and lines, and this figure is a plane\n"
             "next: the variable that it shows, as fiv show FILE.nc --csv VARIABLE -o FILE.csv"
@@ -75,6 +75,11 @@ def as_csv(figure: Figure, path: Path) -> str:
         for remark in _remarks(ax):
             writer.writerow([*panel, remark, "", "", ""])
     return table.getvalue()
+
+
+def has_plane(figure: Figure) -> bool:
+    """Whether it paints a plane, which is in no table of lines."""
+    return bool(figure.findobj(QuadMesh, include_self=False))
 
 
 def _has_lines(figure: Figure) -> bool:
