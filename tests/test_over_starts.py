@@ -114,6 +114,9 @@ def test_cycles_without_a_measure_of_vibration_are_told_apart_by_their_range() -
     dataset["x_max"] = (("initial", "mu_k"), [[1.0, 1.0], [1.0, 2.0]])
     (told,) = over_starts.differing(dataset.assign(x_min=-dataset["x_max"]))
     assert (told["cycles"], told["another"], told["another_at"]) == (2, 1, ["mu_k = 2"])
+    dataset["L_s"][:, 0] = [np.nan, 0.3]  # the other one's is of another unit than a range
+    (told,) = over_starts.differing(dataset.assign(x_min=-dataset["x_max"]))
+    assert (told["cycles"], told["another"]) == (2, 1)
 
 
 def test_a_few_starts_are_told_in_pairs_and_many_together() -> None:

@@ -625,10 +625,10 @@ def _check_scale(figure: FigureSpec, place: Path, report: Report) -> None:
     log = figure.settings.get("log", False)
     if "z" in str(log) and figure.kind != "map":
         report.add((*place, "log"), f"a {figure.kind} has no shades", 'true, "x", "y" or "xy"')
-    for which in ("x", "y"):
+    logarithms = "xy" if log is True else log or ""
+    for which in "xyz":
         limits = figure.settings.get(f"{which}lim", ())
-        logarithmic = log is True or (isinstance(log, str) and which in log)
         numbers = [bound for bound in limits if isinstance(bound, int | float)]
-        if logarithmic and any(bound <= 0 for bound in numbers):
+        if which in logarithms and any(bound <= 0 for bound in numbers):
             message = f"a logarithmic axis begins above 0, not at {min(numbers)!r}"
             report.add((*place, f"{which}lim"), message, "[low, high] with 0 < low")

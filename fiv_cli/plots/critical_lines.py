@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
-PLACE: dict[str, Any] = {"marker": "D", "ms": 4, "ls": "none"}
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ class CriticalLines:
 
     def _look(self, piece: Piece) -> dict[str, Any]:
         """A line or, of a single place, a mark."""
-        return {"ls": self.style, "lw": 1.5} if piece[0].size > 1 else PLACE
+        return {"ls": self.style, "lw": 1.5} if piece[0].size > 1 else curve.PLACE | {"ls": "none"}
 
     @property
     def _words(self) -> str:

@@ -459,6 +459,13 @@ def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
     words = [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes]
     tame_texts(figure)
+    if not _is_set(figure, words):
+        raise _cramped(figure, words)
+    thicken(figure)
+
+
+def _is_set(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:
+    """Set title and labels of each panel, and legends; whether all have room."""
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "constrained_layout not applied")
         try:
@@ -466,10 +473,8 @@ def finish(figure: Figure) -> None:
             if _GIVEN.get() is None and clear_legends(figure):
                 _set_words(figure, words, added)
         except UserWarning:  # the words leave nothing for the panels
-            raise _cramped(figure, words) from None
-    if _GIVEN.get() is None and _LOOK.get().width is not None and not _has_room(figure):
-        raise _cramped(figure, words)
-    thicken(figure)
+            return False
+    return _GIVEN.get() is not None or _LOOK.get().width is None or _has_room(figure)
 
 
 def _has_room(figure: Figure) -> bool:
@@ -485,23 +490,12 @@ def _cramped(figure: Figure, words: Sequence[tuple[str, str, str]]) -> UsageErro
     tall = _LOOK.get().height
     for wide in np.arange(10.0 * (width // 10.0 + 1.0), PROPOSED, 10.0):
         figure.set_size_inches(wide * MM, (tall or height * wide / width) * MM)
-        if _fits(figure, words):
+        if _is_set(figure, words):
             way = f"--width {wide:g}"
             break
     else:
         way = "leave --height out" if tall else "choose fewer panels with `select` in the figure"
     return UsageError(f"its panels have no room in {width:.0f} by {height:.0f} mm\nnext: {way}")
-
-
-def _fits(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:
-    """Whether panels have room at the size that a figure has now."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("error", "constrained_layout not applied")
-        try:
-            _set_words(figure, words, 0)
-        except UserWarning:
-            return False
-    return _has_room(figure)
 
 
 def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int) -> int:

@@ -85,13 +85,17 @@ def _another(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
 
 
 def size_of_cycles(dataset: xr.Dataset) -> xr.DataArray:
-    """L_s of what is periodic or, where nothing slides at rest and there is none, its range."""
-    reached = dataset["attractor"]
-    nothing = xr.full_like(reached, float("nan"), float)
-    size = dataset.get("L_s", nothing)
-    for name in _displacements(dataset):
-        size = size.fillna(dataset[f"{name}_max"] - dataset.get(f"{name}_min", nothing))
-    return size.where(is_class(reached, ("periodic",)))
+    """L_s of what is periodic; the range of all at points where some have none.
+
+    Where nothing slides at rest nothing does: L_s is measured from there.
+    """
+    is_cycle = is_class(dataset["attractor"], ("periodic",))
+    size = dataset.get("L_s", xr.full_like(is_cycle, float("nan"), float)).where(is_cycle)
+    for name in [n for n in _displacements(dataset) if f"{n}_min" in dataset][:1]:
+        extent = (dataset[f"{name}_max"] - dataset[f"{name}_min"]).where(is_cycle)
+        lacking = (size.isnull() & extent.notnull()).any("initial")
+        size = extent.where(lacking, size)
+    return size
 
 
 def _displacements(dataset: xr.Dataset) -> list[str]:
