@@ -7,6 +7,7 @@ random, not of others, its standard error is sqrt(p (1 - p) / n) (Menck et al., 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,7 @@ STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
 STAR = 8.0  # size of the mark of an equilibrium, pt
+NUMBER = re.compile(r"\d")  # no class has one in its name
 SAME = 1e-6  # of the greatest: places of rest that differ by less are one
 # Marks of cycles where there are several, and their colours, which only what diverged, or lost
 # contact, may have beside them.
@@ -185,7 +187,7 @@ def _motions(part: xr.Dataset, single: bool) -> np.ndarray:
     if 0 < number.max(initial=0) < len(OF_CYCLES):
         by_period = single and "period" in part
         names = _by_period(part["period"].values[is_cycle], number) if by_period else None
-        numbers = [f"periodic, cycle {one}" for one in range(1, len(OF_CYCLES) + 1)]
+        numbers = [f"cycle {one}" for one in range(1, len(OF_CYCLES) + 1)]
         reached[is_cycle] = np.array(names or numbers, object)[number]
     return reached
 
@@ -223,8 +225,8 @@ def _words(name: str) -> str:
 
 
 def _told(name: str, share: str) -> str:
-    """A class, or a cycle by its period, and the share of its basin."""
-    return f"{_words(name)}{':' if ',' in name else ''} {share}"
+    """A class, or a cycle by its period or number, and the share of its basin."""
+    return f"{_words(name)}{':' * bool(NUMBER.search(name))} {share}"
 
 
 def _shares(reached: np.ndarray, sample: bool) -> dict[str, str]:

@@ -263,19 +263,20 @@ def longest(words: Sequence[str]) -> int:
 def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """A legend under the panels, in as many columns as there is room for."""
     most = letters(figure) - KEY_LETTERS
-    words = [_folded(str(handle.get_label()), most) for handle in handles]
+    words, heading = [_folded(str(one.get_label()), most) for one in handles], _folded(title, most)
     columns = columns_of(words, int(NARROWER * letters(figure)))
     while words:
         legend = figure.legend(
-            handles, words, loc="outside lower center", ncols=columns, title=title or None
+            handles, words, loc="outside lower center", ncols=columns, title=heading or None
         )
+        legend.get_title().set_multialignment("center")
         even_keys(legend)
         if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
             break
         legend.remove()
         columns -= 1
     rows = [sum(1 + word.count("\n") for word in part) for part in _parted(words, columns)]
-    make_room(figure, bool(title) + max(rows, default=0))
+    make_room(figure, len(heading.splitlines()) + max(rows, default=0))
 
 
 def columns_of(words: Sequence[str], room: int) -> int:
