@@ -135,10 +135,28 @@ def test_more_time_undoes_no_chaos_but_tells_more_of_it() -> None:
         for t_max in (600.0, 15_000.0)
     ]
     assert [one["attractor"] for one in found] == ["chaotic", "chaotic"]
-    errors = [one["lyapunov_standard_error"] for one in found]
-    assert 0.0 < errors[1] < 0.5 * errors[0]  # as the root of the time, one fifth
-    apart = abs(found[0]["lyapunov"] - found[1]["lyapunov"])
-    assert apart < 4.0 * np.hypot(*errors)
+    for name in ("lyapunov", "L_s"):
+        errors = [one[f"{name}_standard_error"] for one in found]
+        assert 0.0 < errors[1] < 0.5 * errors[0]  # as the root of the time, one fifth
+        apart = abs(found[0][name] - found[1][name])
+        assert apart < 4.0 * np.hypot(*errors)
+
+
+def test_the_intensity_of_chaos_scatters_as_its_standard_error_says() -> None:
+    """Over windows that follow sixteen starts upon one attractor."""
+    speeds = np.linspace(0.2, 1.0, 16)
+    chaos = {"model": "pin-on-disc", "Omega": 0.5, "t_max": 600.0}
+    found = [respond(start={"phi_dot": float(speed)}, **chaos).values for speed in speeds]
+    assert {one["attractor"] for one in found} == {"chaotic"}
+    sizes = np.array([one["L_s"] for one in found])
+    told = np.sqrt(np.mean([one["L_s_standard_error"] ** 2 for one in found]))
+    assert 0.5 < np.std(sizes, ddof=1) / told < 2.0  # 0.5 of 16 draws: one in 3,000
+
+
+def test_a_motion_with_a_period_has_an_intensity_without_a_standard_error() -> None:
+    found = respond(start={"x_dot": 0.1}, mu_k=0.1, mu_s=0.3, v=0.1).values
+    assert found["attractor"] == "periodic"
+    assert "L_s" in found and "L_s_standard_error" not in found
 
 
 def test_contact_is_lost() -> None:

@@ -24,6 +24,7 @@ from fiv_cli.reading.datasets import (
     flag_names,
     headlines,
     numbers,
+    standard_error_of,
     unknown_points,
 )
 from fiv_cli.reading.shares import ERROR
@@ -109,7 +110,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
         _panel(ax, [dataset[name] for name in own], lines, numeric)
-        if any(_standard_error(name) in layer.dataset for layer in along for name in own):
+        if any(_is_of_a_sample(layer.dataset, name) for layer in along for name in own):
             ax.plot([], [], color=style.BLACK, label="standard error", **ERROR_BAR)
     told = "undecided" if names == ["attractor"] else ""
     points.dress(axes, along, settings, told)
@@ -530,7 +531,14 @@ def _errors(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
 
 def _standard_error(name: str) -> str:
     """What says how far the mean of a sample may be off, in a dataset that has it."""
-    return ERROR if name == "share" else f"{name}_{ERROR}"
+    return ERROR if name == "share" else standard_error_of(name)
+
+
+def _is_of_a_sample(dataset: xr.Dataset, name: str) -> bool:
+    """Whether some values of a variable have a standard error."""
+    return (
+        bool(dataset[one].notnull().any()) if (one := _standard_error(name)) in dataset else False
+    )
 
 
 def _sorting(dataset: xr.Dataset) -> tuple[str, str] | None:

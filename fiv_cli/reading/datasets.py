@@ -125,6 +125,11 @@ def error_of(name: str) -> str:
     return f"{named(name).width.removesuffix('_width') or name}_error"
 
 
+def standard_error_of(name: str) -> str:
+    """What says how far a mean over a window may be off by chance, in a dataset that has it."""
+    return f"{name}_standard_error"
+
+
 def flag_names(attributes: Mapping[str, object]) -> dict[int, str]:
     """Value -> name of a flag variable, from its attributes; empty for any other variable."""
     if "flag_meanings" not in attributes:

@@ -17,7 +17,7 @@ from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.notation.tables import plain_table
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import error_of, flag_names, numbers
+from fiv_cli.reading.datasets import error_of, flag_names, numbers, standard_error_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,7 +53,7 @@ def _answers(dataset: xr.Dataset) -> list[str]:
         variable, error = named(name), error_of(name)
         told = variable.role is Role.CLASS or variable.headline or error in dataset
         if told and {*dataset[name].dims} <= {*grid, SEVERAL}:
-            found += [name, *[error] * (error in dataset)]
+            found += [name, *(one for one in (error, standard_error_of(name)) if one in dataset)]
     return found
 
 
@@ -107,7 +107,13 @@ def lines(rows: Sequence[Row], units: Mapping[str, str], points: int) -> list[st
     if not rows:
         return []
     more = points - MOST_POINTS
-    return ["  at each point:", *_table(rows, units), *[f"    and {more} more points"] * (more > 0)]
+    by_chance = [name for name in rows[0] if any(row.get(standard_error_of(name)) for row in rows)]
+    meant = [f"± of {', '.join(by_chance)} of what has no period: standard error"] * bool(by_chance)
+    return [
+        " ".join(["  at each point:", *meant]),
+        *_table(rows, units),
+        *[f"    and {more} more points"] * (more > 0),
+    ]
 
 
 def lines_of_ends(rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
@@ -127,7 +133,7 @@ def _table(rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
 
 
 def _cell(row: Row, name: str) -> str:
-    value, error = row[name], row.get(error_of(name))
+    value, error = row[name], row.get(error_of(name), row.get(standard_error_of(name)))
     if value is None:
         return ""
     if name == "status" and row.get("reason", "none") != "none":

@@ -23,6 +23,7 @@ from fiv_cli.reading.datasets import (
     flag_names,
     is_class,
     numbers,
+    standard_error_of,
     variables_in,
 )
 from fiv_cli.reading.scans import BEYOND, found_from_start, scanned, still_followed
@@ -350,7 +351,8 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]], at_edges: Container[st
     """
     alone = {name: span for name, span in ranges.items() if span["values"] == 1}
     errors = {name: inf for name in alone if named(name).width}  # where none was found
-    errors |= {name: alone[error_of(name)]["least"] for name in alone if error_of(name) in alone}
+    for error in (standard_error_of, error_of):
+        errors |= {name: alone[error(name)]["least"] for name in alone if error(name) in alone}
     told = {
         name: _range_line(span, errors.get(name))
         + " (the bracket's edge: it may go on beyond)" * (name in at_edges)

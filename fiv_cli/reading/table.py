@@ -13,7 +13,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import pick, suggest
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import class_names, error_of, flag_names, is_class
+from fiv_cli.reading.datasets import class_names, error_of, flag_names, is_class, standard_error_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,12 +51,19 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     dataset = held_by.assign({name: of for columns in columns_of for name, of in columns.items()})
     axes = [str(name) for name, axis in dataset.coords.items() if axis.ndim == 1]
     axes = [name for name in axes if name not in select.ragged_dims(dataset)]
-    told = [*dict.fromkeys(n for name in names for n in (name, error_of(name)) if n in dataset)]
+    told = [*dict.fromkeys(one for name in names for one in (name, *_errors_of(held_by, name)))]
     held, alone = _rows(dataset, told, at)
     told_by_axes = {dataset[name].dims[0] for name in axes} | {*select.ragged_dims(dataset)}
     counted = [str(dim) for dim in held[0].dims if dim not in told_by_axes]
     columns = [*dict.fromkeys([*axes, *counted, *told])]
     return _lines(held, columns, told) + _lines(alone, columns, told, header=False)
+
+
+def _errors_of(dataset: xr.Dataset, name: str) -> list[str]:
+    """What says how far a variable may be off, by chance where that is known of some value."""
+    by_chance = dataset.get(standard_error_of(name))
+    is_known = by_chance is not None and bool(by_chance.notnull().any())
+    return [error_of(name)] * (error_of(name) in dataset) + [standard_error_of(name)] * is_known
 
 
 def _columns(dataset: xr.Dataset, name: str, wanted: str) -> dict[str, xr.DataArray]:

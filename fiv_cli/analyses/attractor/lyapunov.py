@@ -10,6 +10,8 @@ from fiv_cli.codegen.memory import FixedInt, Floats, Frame, call_generated, nati
 from fiv_cli.dynamics.kernel import Run, state_index
 from fiv_cli.dynamics.motion import Motion
 
+STRETCHES = 16
+
 
 class Growth(Frame):
     """How a tangent vector has grown, block after block."""
@@ -60,6 +62,20 @@ def book_growth(growth: Growth, run: Run) -> None:
         growth.count += 1
 
 
+def error_of_mean(amounts: Floats, spans: Floats) -> float:
+    """Standard error of a mean over time, from the scatter of 16 stretches; 0 where there is none.
+
+    Parameters
+    ----------
+    amounts, spans : what was added up in each block of time, and how long it lasted, s
+    """
+    if not len(amounts) or not np.all(np.isfinite(amounts)):
+        return 0.0
+    stretches = np.array_split(np.arange(len(amounts)), min(STRETCHES, len(amounts)))
+    means = np.array([amounts[one].sum() / spans[one].sum() for one in stretches])
+    return float(np.std(means) / np.sqrt(max(len(means) - 1, 1)))
+
+
 class Exponent:
     """The exponent from one tangent vector.
 
@@ -96,12 +112,7 @@ class Exponent:
     @property
     def error(self) -> float:
         """Standard error of `mean`, from the scatter of blocks; 0 where there is none."""
-        growths, spans = self._blocks
-        if not len(growths) or not np.all(np.isfinite(growths)):
-            return 0.0
-        groups = np.array_split(np.arange(len(growths)), min(16, max(len(growths), 1)))
-        rates = np.array([growths[g].sum() / spans[g].sum() for g in groups if len(g)])
-        return float(np.std(rates) / np.sqrt(max(len(rates) - 1, 1)))
+        return error_of_mean(*self._blocks)
 
     @property
     def _blocks(self) -> tuple[Floats, Floats]:

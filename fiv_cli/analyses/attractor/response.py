@@ -75,6 +75,13 @@ def variables(subject: Subject) -> list[Variable]:
             statistic=True,
             unbounded=True,
         ),
+        Variable(
+            "L_s_standard_error",
+            subject.of_states("2"),
+            "standard error of L_s of what has no period",
+            role=Role.DETAIL,
+            comment="by its scatter over 16 stretches of the window",
+        ),
         *_reference(subject),
         Variable(
             "L_s_window", "s", "window of L_s, of extremes and of fractions", role=Role.DETAIL

@@ -40,7 +40,7 @@ from fiv_cli.analyses.attractor.level_set import (
     holds_through,
     under_excitation,
 )
-from fiv_cli.analyses.attractor.lyapunov import Exponent
+from fiv_cli.analyses.attractor.lyapunov import Exponent, error_of_mean
 from fiv_cli.analyses.attractor.own_section import (
     OWN,
     first_section,
@@ -722,6 +722,8 @@ class _Response:
         if self.motion.measures.measured_time <= 0.0:
             return Outcome(reason="time_budget", values={"attractor": "undecided"})
         values = self._measured(energy) | {"transient_used": begun}
+        if self.rests.first is not None:
+            values["L_s_standard_error"] = self._error_of_intensity()
         if exponent is not None:
             self.exponent_error = exponent.error
             if np.isfinite(exponent.mean):
@@ -734,10 +736,18 @@ class _Response:
         shown = {name: found[-SHOWN:].copy() for name, found in passed.items()}
         return Outcome(values=values, ragged=shown)
 
+    def _error_of_intensity(self) -> float:
+        """Standard error of L_s as measured over the window."""
+        booked = slice(self.watch.n_passed)
+        spans, spreads = self.watch.spans[booked], self.watch.spreads[booked]
+        return error_of_mean(np.diff(spreads, prepend=0.0), np.diff(spans, prepend=0.0))
+
     def _measure_to(self, goals: Vector, exponent: Exponent | None) -> Outcome | None:
         """Measure up to the last goal, keeping section points; the class as soon as it is known."""
         watch = self.watch
         watch.show("goals", goals)
+        for name in ("spans", "spreads"):
+            watch.show(name, np.zeros(len(goals)))
         watch.n_passed, watch.growth = 0, 0 if exponent is None else exponent.growth.address
         while watch.n_passed < len(goals) and self._goes_on:
             answer = self._look(float(goals[-1]), self.section, measuring=True)

@@ -81,6 +81,8 @@ class Watch(Frame):
     goals: Floats  # times up to which the tangent whose growth this is (0: none) is normalised
     n_passed: int
     growth: FixedInt
+    spans: Floats  # measured by then, s
+    spreads: Floats  # ... and the integral of L_s over them
     n_before: int  # points and events at the look before
     n_events: int
     has_new: int  # whether there are points since
@@ -299,8 +301,10 @@ def has_stuck(watch: Watch, run: Run) -> bool:
 
 @native
 def pass_goals(watch: Watch, run: Run) -> None:
-    """Book how the tangent has grown, at each of the goals."""
+    """Book what was measured and how the tangent has grown, at each of the goals."""
     while watch.n_passed < len(watch.goals) and run.time >= watch.goals[watch.n_passed]:
+        watch.spans[watch.n_passed] = run.measured_time
+        watch.spreads[watch.n_passed] = run.spread
         watch.n_passed += 1
         if watch.growth != 0:
             book_growth(growth_at(watch.growth), run)
@@ -396,7 +400,7 @@ def blank_watch(width: int) -> Watch:
             "points": np.zeros((KEPT, width)),
             "works": NO_WORKS,
             "slides": np.zeros(0, np.int64),
-            "goals": np.zeros(0),
+            **{name: np.zeros(0) for name in ("goals", "spans", "spreads")},
             **{name: np.zeros(width) for name in ("scales", "judged", "ways")},
         },
         {},
