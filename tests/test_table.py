@@ -32,6 +32,11 @@ def test_a_row_for_each_point_that_has_a_value():
     assert rows(errors, "critical_value")[0] == {
         "v": "0.5", "critical_value": "1.0", "critical_error": "0.1"
     }  # fmt: skip
+    by_chance = np.array([np.nan, np.nan, 0.01])
+    told = rows(found.assign(L_s_standard_error=("v", by_chance)), "L_s")
+    assert [row["L_s_standard_error"] for row in told] == ["", "0.01"]
+    none = found.assign(L_s_standard_error=("v", by_chance * np.nan))
+    assert [*rows(none, "L_s")[0]] == ["v", "L_s"]
 
 
 def test_a_table_of_axes_that_advance_together_names_them_alone_and_only_what_is_there():
