@@ -13,7 +13,7 @@ from fiv_cli import api
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.errors import UsageError
 from fiv_cli.reading.datasets import is_class
-from fiv_cli.reading.table import as_csv
+from fiv_cli.reading.table import as_csv, without_row
 
 
 def rows(dataset, *names, **at):
@@ -28,6 +28,10 @@ def test_a_row_for_each_point_that_has_a_value():
         {"v": "2.0", "attractor": "chaotic", "L_s": "0.1"},
     ]
     assert [row["v"] for row in rows(found, "L_s", v=". > 0.5")] == ["2.0"]
+    remark = without_row({"response": found}, ["L_s"], {"v": ". < 2"})
+    assert remark.startswith("1 of 2 points without a row")
+    assert not without_row({"response": found}, ["L_s"], {"v": 2.0})
+    assert not without_row({"response": found}, ["L_s"], {"attractor": "chaotic"})
     errors = found.assign(critical_value=found["L_s"], critical_error=found["L_s"] / 10)
     assert rows(errors, "critical_value")[0] == {
         "v": "0.5", "critical_value": "1.0", "critical_error": "0.1"

@@ -66,10 +66,12 @@ def command(
         following = f"fiv show {file}"
         analyses = {chosen: pick(chosen, analyses, "analysis", following)}
     if columns is not None:
-        from fiv_cli.reading.table import as_csv
+        from fiv_cli.reading.table import as_csv, without_row
 
         names = [name.strip() for name in columns.split(",")]
         told = as_csv(analyses, names, at)
+        if remark := without_row(analyses, names, at):
+            click.echo(remark, err=True)
         if output is None:
             click.echo(told, nl=False)
         else:

@@ -77,7 +77,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     ]
     clouds = [cloud for cloud in found if cloud.y.size or cloud.rest_y.size]
     points.refuse_empty(first, bool(clouds), name)
-    figure, (ax,) = style.new_panels(1, 1, points.title(first))
+    figure, (ax,) = style.new_panels(1, 1, points.title(*(one.dataset for one in shown)))
     _refuse_of_none(layers, shown)
     for layer in layers:
         if not any(layer.dataset is one.dataset for one in shown):

@@ -80,7 +80,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         if _length(layer.dataset, line.index)
     ]
     points.refuse_empty(first, bool(named), ALONG)
-    figure, (ax,) = style.new_panels(1, 1, points.title(first))
+    figure, (ax,) = style.new_panels(1, 1, points.title(*(one.dataset for one in layers)))
     entries = points.entries([name for name, _, _ in named])
     words = {
         word

@@ -104,7 +104,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     drawn = _with_own_words(drawn)
     anything = any(np.isfinite([curve.y, *curve.ends]).any() for _, curve in drawn)
     points.refuse_empty(dataset, anything, names[0])
-    figure, axes = style.new_panels(len(panels), 1, points.title(dataset), sharex=True)
+    title = points.title(*(layer.dataset for layer in layers))
+    figure, axes = style.new_panels(len(panels), 1, title, sharex=True)
     entries = points.entries([curve.label for _, curve in drawn])
     numeric = select.is_numeric(axis)
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 suits = motion.suits
 FEWEST_SMOOTH = 4  # samples of a stretch that a spline is put through
 FINER = 6
-SEEN = 0.05  # share of the extent of a curve that is more than a dot in it
+WIDE = 0.3  # share of the extent of a curve on which a head is seen to lie along it
 OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": (0, (1, 1.5)), "lw": 2.0, "zorder": 3}
 
 HEAD: dict[str, Any] = {
@@ -51,8 +51,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         for one in motion.motions(layer.dataset, {**settings, "overlay": shared})
     ]
     names, *_ = [_states(one, settings) for one in datasets]  # which all must have
-    marks = _marks(motions, shared, all(_shows_starts(one, settings) for one in datasets))
-    figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(dataset))
+    marks = _marks(motions, shared, settings)
+    figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(*datasets))
     for number, (one, mark) in enumerate(zip(motions, marks, strict=True)):
         _panel(axes[0 if shared else number], one, names, mark, settings)
     for ax, one in zip(axes, motions, strict=False):
@@ -87,22 +87,22 @@ class _Mark:
     marker: str
 
 
-def _marks(motions: Sequence[motion.Motion], shared: bool, with_starts: bool) -> list[_Mark]:
+def _marks(
+    motions: Sequence[motion.Motion], shared: bool, settings: points.Settings
+) -> list[_Mark]:
     """Marks of starts; of a few motions in one panel each has its own, which names it."""
+    words = [_of_first_sample(one.data, settings) for one in motions]
     if not shared or not 1 < len(motions) <= len(MARKERS):
-        resting = [sampling.is_at_rest(one.data) for one in motions]
-        starts = ["start" if with_starts else "" for _ in motions]
-        words = [
-            "at rest" if rests else start for rests, start in zip(resting, starts, strict=True)
-        ]
         return [_Mark(word, MARKERS[word == "at rest"]) for word in words]
-    said = "start: " if with_starts else ""
-    return [_Mark(f"{said}{one.label}", mark) for one, mark in zip(motions, MARKERS, strict=False)]
+    named = zip(words, motions, MARKERS, strict=False)
+    return [_Mark(f"{word or 'motion'}: {one.label}", marker) for word, one, marker in named]
 
 
-def _shows_starts(dataset: xr.Dataset, settings: points.Settings) -> bool:
-    """A window of time may begin anywhere, a settled motion too: its first sample is no start."""
-    return "window" not in settings and not points.is_settled(dataset)
+def _of_first_sample(data: xr.Dataset, settings: points.Settings) -> str:
+    """What it is; a window of time may begin anywhere, a settled motion too: that is no start."""
+    if sampling.is_at_rest(data):
+        return "at rest"
+    return "" if "window" in settings or points.is_settled(data) else "start"
 
 
 def _states(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, str]:
@@ -190,9 +190,9 @@ def _rest(ax: Axes, one: motion.Motion, names: tuple[str, str], mark: _Mark) -> 
 
 def _point_onwards(ax: Axes, path: np.ndarray) -> None:
     """An arrowhead in the direction of the motion, on the straightest stretch of its curve off its
-    start: where that is seen in the second half, which is nearer to a closed one, there."""
+    start: where its second half, which is nearer to a closed one, is wide enough, there."""
     halves, extent = (path[len(path) // 2 :], path), np.ptp(path, axis=0)
-    late = next(half for half in halves if (np.ptp(half, axis=0) >= SEEN * extent).all())
+    late = next(half for half in halves if (np.ptp(half, axis=0) >= WIDE * extent).all())
     scaled = late / np.where(extent > 0.0, extent, 1.0)
     along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(scaled, axis=0), axis=1)))
     places = np.linspace(0.0, min(along[-1], TURN), PLACES)

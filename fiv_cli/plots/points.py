@@ -301,20 +301,31 @@ def _line(
     return Line(dict(zip(dims, place, strict=True)), dict(zip(dims, words, strict=True)))
 
 
-def title(dataset: xr.Dataset) -> str:
+def title(dataset: xr.Dataset, *others: xr.Dataset) -> str:
     """The case's title and reference and, below, the one value of each axis that does not vary.
 
     The start is always named: what is reached from one start need not be from another. So is the
     one that is selected of several contacts, modes or others that the variable has, and so are
     parameters that were set on the command line, which the case's title knows nothing of, and what
-    a dataset differs in from those drawn beside it.
+    a dataset differs in from those drawn beside it. What another of these has another value of is
+    no value of the figure.
     """
     alone = [_first_axis(dataset, d) for d in grid_dims(dataset) if dataset.sizes[d] == 1]
+    alone = [axis for axis in alone if all(_has_no_other(one, axis) for one in others)]
     changed = [labels.value_label(one, one.item()) for one in _set_by_hand(dataset)]
     words = [*(_alone(axis) for axis in alone), str(dataset.attrs.get("of_several", "")), *changed]
-    words += [str(dataset.attrs.get("differs", "")), *["settled"] * is_settled(dataset)]
+    words += [
+        str(dataset.attrs.get("differs", "")),
+        *["settled"] * all(map(is_settled, (dataset, *others))),
+    ]
     words.append(str(dataset.attrs.get("without", "")))
     return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
+
+
+def _has_no_other(dataset: xr.Dataset, axis: xr.DataArray) -> bool:
+    """Whether a dataset has no other values of an axis than the one of `axis`."""
+    own = dataset[axis.name].values if axis.name in dataset.coords else axis.values
+    return bool(np.all(own == axis.values[0]))
 
 
 def _set_by_hand(dataset: xr.Dataset) -> list[xr.DataArray]:

@@ -335,7 +335,8 @@ def evaluate(
     trial = replace(trial, found=", ".join(beside))
     margin = float(part[ERROR].max()) if ERROR in part else 0.0
     if margin > 0.0:  # the share of a sample, and of one that is not all alike
-        trial = replace(trial, found=f"{trial.found}, standard error {margin:.2g}")
+        most = "at most " * (part[ERROR].size > 1)
+        trial = replace(trial, found=f"{trial.found}, standard error {most}{margin:.2g}")
     compared = isinstance(claim.expect, Bounds) and bool(claim.expect.references)
     told = _why_empty(trial, part), _why_open(trial, part, compared and not claim.take)
     verdict = _judge(trial, claim.holds, ", ".join(filter(None, told)))

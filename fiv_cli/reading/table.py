@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +41,48 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     UsageError : no analysis has all the variables, or several have, or they share no rows; there is
         no such axis or value.
     """
+    dataset, told = _asked(analyses, names)
+    axes = [str(name) for name, axis in dataset.coords.items() if axis.ndim == 1]
+    axes = [name for name in axes if name not in select.ragged_dims(dataset)]
+    held, alone = _rows(dataset, told, at)
+    told_by_axes = {dataset[name].dims[0] for name in axes} | {*select.ragged_dims(dataset)}
+    counted = [str(dim) for dim in held[0].dims if dim not in told_by_axes]
+    columns = [*dict.fromkeys([*axes, *counted, *told])]
+    return _lines(held, columns, told) + _lines(alone, columns, told, header=False)
+
+
+def without_row(
+    analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping[str, Any]
+) -> str:
+    """How many of the points have no row in `as_csv`, with their reasons; "" where all have one.
+
+    Nor is it told where classes are chosen, or variables have values of any number at a point.
+    """
+    from xarray import ones_like
+
+    dataset, told = _asked(analyses, names)
+    is_ragged = any(select.row_sizes(dataset, name) is not None for name in told)
+    if is_ragged or {*at} & {*dataset.data_vars}:
+        return ""
+    part = select.subset(dataset, at, nearest=False)
+    points = part["status"]
+    lacking = ones_like(points, bool)
+    for name in told:
+        has_value = _in_words(part[name]).notnull()
+        lacking = lacking & ~has_value.any(
+            [dim for dim in has_value.dims if dim not in points.dims]
+        )
+    lacking = lacking.transpose(*points.dims)
+    counts = Counter(class_names(part.get("reason", points))[lacking.values.ravel()].tolist())
+    listed = ", ".join(f"{name} {count}" for name, count in counts.most_common() if name != "none")
+    listed = listed and f": {listed} (fiv show without --csv says what it means)"
+    return f"{counts.total()} of {points.size} points without a row{listed}" if counts else ""
+
+
+def _asked(
+    analyses: Mapping[str, xr.Dataset], names: Sequence[str]
+) -> tuple[xr.Dataset, list[str]]:
+    """What has the variables, with columns of parts of them; the columns, with errors."""
     if {*names} & {*EVERYTHING}:
         raise UsageError(f"a table has the same number of values of each\n{_every_table(analyses)}")
     beside = {str(name) for one in analyses.values() for name in one.coords}
@@ -49,14 +92,8 @@ def as_csv(analyses: Mapping[str, xr.Dataset], names: Sequence[str], at: Mapping
     columns_of = [_columns(held_by, name, wanted) for name, _, wanted in parts]
     names = [name for columns in columns_of for name in columns]
     dataset = held_by.assign({name: of for columns in columns_of for name, of in columns.items()})
-    axes = [str(name) for name, axis in dataset.coords.items() if axis.ndim == 1]
-    axes = [name for name in axes if name not in select.ragged_dims(dataset)]
-    told = [*dict.fromkeys(one for name in names for one in (name, *_errors_of(held_by, name)))]
-    held, alone = _rows(dataset, told, at)
-    told_by_axes = {dataset[name].dims[0] for name in axes} | {*select.ragged_dims(dataset)}
-    counted = [str(dim) for dim in held[0].dims if dim not in told_by_axes]
-    columns = [*dict.fromkeys([*axes, *counted, *told])]
-    return _lines(held, columns, told) + _lines(alone, columns, told, header=False)
+    told = [one for name in names for one in (name, *_errors_of(held_by, name))]
+    return dataset, list(dict.fromkeys(told))
 
 
 def _errors_of(dataset: xr.Dataset, name: str) -> list[str]:
