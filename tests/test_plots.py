@@ -401,13 +401,7 @@ def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
     low, high = (line[np.isfinite(line[:, 1])] for line in dashed(ax))
     assert low[:, 0].max() < 2.0
     assert {*low[:, 1], *high[:, 1]} == {0.02, 0.09}
-    told = r"unstable cycle: least and greatest $\varphi$"
-    assert f"{told}, not at the section" in legend_texts(ax)
-    for state, where in (("phi_dot", ""), ("theta_dot", ", not at the section")):
-        told_of = {"kind": "response", "settings": {"section": {"kind": "zero", "state": state}}}
-        analyses["response"].attrs["analyses_json"] = json.dumps({"response": told_of})
-        (ax,) = draw(analyses, figure("bifurcation", select={"initial": "far"})).axes
-        assert f"{told}{where}" in legend_texts(ax)
+    assert r"unstable cycle: extremes of $\varphi$" in legend_texts(ax)
 
 
 def with_eigenvalues():
@@ -587,6 +581,27 @@ def test_unstable_cycles_are_drawn_at_the_section_of_the_diagram(chosen):
     for one in (other, *(on_section(sliding, "cycle", chosen) for sliding in apart)):
         (ax,) = draw([("", response), ("branch", one)], figure("bifurcation")).axes
         assert {*dashed(ax)[0][:, 1]} == {0.0}
+    sliding = branch.assign(
+        branch_multiplicity=("branch_obs", [1.0, 2.0, 2.0, 0.0]),
+        branch_section_row_size=sizes * 0 + 5,
+        branch_section=("branch_section_obs", [9.0, 0.3, 0.2, 0.15, 0.25]),
+    )  # the last passes none: of it alone both extremes
+    sliding["branch_section_row_size"].attrs = sizes.attrs | {
+        "sample_dimension": "branch_section_obs"
+    }
+    both = [("", response), ("branch", on_section(sliding, "cycle", chosen))]
+    (ax,) = draw(both, figure("bifurcation")).axes
+    drawn = [line[np.isfinite(line[:, 1])].tolist() for line in dashed(ax)]
+    assert [[1.0, 0.0]] in drawn and [[1.0, 1.0]] in drawn
+    assert {"unstable cycle", r"unstable cycle: extremes of $\varphi$"} <= {*legend_texts(ax)}
+
+
+def test_a_branch_beyond_the_grid_is_followed_to_what_happens_to_it_only():
+    response = data.bifurcation()
+    response = response.sel(Omega=response["Omega"] >= 1.5).assign_attrs(response.attrs)
+    (ax,) = draw([("", response), ("branch", branch_along_the_speed())], figure("bifurcation")).axes
+    low, high = ax.get_xlim()
+    assert 1.0 < low < 1.5 and 5.0 < high < 5.5
 
 
 def test_cycles_of_the_grid_are_drawn_at_the_section_of_the_diagram():
@@ -665,7 +680,7 @@ def test_pieces_of_a_branch_meet_where_its_stability_changes(ends, place):
         .assign_attrs(sample_dimension="cycle_end_obs")
     )
     one = one.assign(cycle_end=("cycle_end_obs", ends), cycle_end_row_size=sizes)
-    (first, x, _), (then, others, _) = stretches(one, {"N0": 0, "initial": 0})
+    (first, x, *_), (then, others, *_) = stretches(one, {"N0": 0, "initial": 0})
     assert (first, then) == ("stable", "unstable")
     assert (x[-1], others[0]) == (place, place)
 
@@ -688,6 +703,18 @@ def test_each_diagram_has_the_branches_of_its_own_parameters():
     assert sum("unstable cycle" in text for text in legend_texts(ax)) == 1
     whose = [line.get_label().partition(",")[0] for line in lines]
     assert {*whose} == {f"_{name}" for name in names}
+
+
+def test_marks_that_would_hide_a_line_are_left_out_but_where_no_line_leads():
+    values = np.linspace(1.0, 2.0, 400)
+    values[[200, 202]] = np.nan
+    dataset = data.response(np.full(400, "periodic", object), values, {"v": np.arange(400.0)})
+    drawn = draw(dataset, figure("curve", variable="L_s"))
+    (line,) = [line for line in drawn.axes[0].lines if len(line.get_xdata()) > 1]
+    (alone,) = line.get_markevery()
+    assert line.get_xdata()[alone] == 201.0
+    (few,) = draw(dataset.isel(v=slice(40)), figure("curve", variable="L_s")).axes[0].lines[:1]
+    assert (few.get_marker(), few.get_markevery()) == (".", None)
 
 
 @pytest.mark.parametrize("kind", ["bifurcation", "curve"])

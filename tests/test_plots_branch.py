@@ -86,7 +86,7 @@ def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
     error = branches["cycle_highest_error"].values
     np.testing.assert_allclose(ends, branches["cycle_highest"].values + error * [-1.0, 1.0])
     entries = [text.get_text() for text in ax.figure.legends[0].get_texts()]
-    happens = ["grazing", "cycle ends at an equilibrium", "goes on beyond the bracket"]
+    happens = ["grazing", "ends at an equilibrium", "goes on beyond the bracket"]
     assert entries[2:] == ["stable", "unstable", *happens]
     written = {text.get_text(): text.xy for text in ax.texts}
     assert {*written} == {"grazing", "equilibrium", "goes on"}

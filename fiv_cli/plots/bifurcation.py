@@ -35,7 +35,7 @@ FINER = 0.3  # share of its size that a mark has in a crowd, and where it is und
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 PALE = 0.4  # what has no class may be on its way yet
-ELSEWHERE = ", not at the section"
+BEYOND = 0.05  # of its length: what is seen beyond an axis
 # Of changes of cycles: full, since the hollow marks are those of starts.
 CHANGE: dict[str, Any] = {"mec": "white", "mew": 0.4, "ms": 4.0, "ls": "none"}
 SECTION_WORDS = {
@@ -84,12 +84,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             _refuse_apart(layer, shown, axis, observed)
     before = len(ax.lines)
     _mark(ax, clouds, style.dot_size(axis.size, figure.get_figwidth()))
-    where = "" if _turns(first, observed) else ELSEWHERE
+    along = [one for one in others if branch.is_along(one, str(axis.name), observed)]
+    settings = _as_the_grid(settings, axis, along)
     for layer in shown:  # a dataset that belongs to several is drawn with the first of them
         parts = [_of_the_same(one, layer.dataset) for one in others]
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
-        _draw_cycles(ax, own, axis, layer, name, where)
+        _draw_cycles(ax, own, axis, layer, name, settings)
     for layer, lines, found_at in zip(shown, equilibria, changes, strict=True):
         _draw_equilibria(ax, layer, lines, found_at, axis)
     words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
@@ -340,11 +341,22 @@ def _agree(one: Any, other: Any) -> bool:
     return bool(one == other if isinstance(other, str) else np.isclose(one, other, atol=0.0))
 
 
-def _turns(diagram: xr.Dataset, observed: str) -> bool:
-    """Whether what is observed turns back at the section, and so is least or greatest there."""
-    asked = [one["settings"].get("section") or {} for one in _analyses(diagram)]
-    turning = {"kind": "zero", "state": f"{observed}_dot"}
-    return any(turning.items() <= section.items() for section in asked)
+def _as_the_grid(
+    settings: points.Settings, axis: xr.DataArray, branches: Sequence[xr.Dataset]
+) -> points.Settings:
+    """Limits of the abscissa where branches lead beyond the grid, and what happens to them."""
+    if "xlim" in settings or not branches:
+        return settings
+    reached = np.concatenate([one[branch.ALONG].values for one in branches])
+    places = np.concatenate([axis.values, *map(branch.changes, branches)])
+    low, high = np.nanmin(places), np.nanmax(places)
+    if low <= np.nanmin(reached) and np.nanmax(reached) <= high:
+        return settings
+    if points.is_logarithmic(settings, "x"):
+        margin = (high / low) ** BEYOND
+        return {**settings, "xlim": (low / margin, high * margin)}
+    margin = BEYOND * (high - low)
+    return {**settings, "xlim": (low - margin, high + margin)}
 
 
 def _refuse_of_none(layers: Sequence[points.Layer], shown: Sequence[points.Layer]) -> None:
@@ -420,7 +432,7 @@ def _draw_cycles(
     axis: xr.DataArray,
     layer: points.Layer,
     name: str,
-    where: str,
+    settings: points.Settings,
 ) -> None:
     """Every cycle along `axis`, in the colour of its diagram: what it passes at the section.
 
@@ -428,27 +440,23 @@ def _draw_cycles(
     marks of a stable one lie elsewhere.
     """
     observed = _observed(layer.dataset[name])
-    extremes = f" cycle: least and greatest ${labels.symbol_of_name(observed)}${where}"
+    extremes = f" cycle: extremes of ${labels.symbol_of_name(observed)}$"
     colours = points.colours([ax])
     for dataset in datasets:
         at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
-        told = {
-            word: f"{word}{' cycle' if at_section else extremes}"
-            for word in branch.DASHES
-            if at_section or word != "stable"
-        }
-        for own, word, x, heights in _cycles(dataset, axis, observed, at_section):
-            if word not in told:
+        for own, (word, x, heights, passes) in _cycles(dataset, axis, observed, at_section):
+            if word not in branch.DASHES or (word == "stable" and not passes):
                 continue
+            told = f"{word}{' cycle' if passes else extremes}"
             place, colour = _whose(layer, own, axis, colours)
             look: dict[str, Any] = {"ls": branch.DASHES[word], "lw": 1.2, "zorder": 1.5}
-            if told[word] not in [line.get_label() for line in ax.lines]:
-                ax.plot([], [], color=style.BLACK, label=told[word], **look)
+            if told not in [line.get_label() for line in ax.lines]:
+                ax.plot([], [], color=style.BLACK, label=told, **look)
             for height in heights:
-                ax.plot(x, height, color=colour, label=points.unlisted(place, told[word]), **look)
+                ax.plot(x, height, color=colour, label=points.unlisted(place, told), **look)
         tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
         if at_section and tells:
-            _mark_changes(ax, dataset, axis, layer, colours)
+            _mark_changes(ax, dataset, axis, layer, colours, settings)
 
 
 def _mark_changes(
@@ -457,11 +465,15 @@ def _mark_changes(
     axis: xr.DataArray,
     layer: points.Layer,
     colours: Mapping[str, ColorType],
+    settings: points.Settings,
 ) -> None:
     """A mark at each change and end of branches, in the colour of their diagram."""
+    low, high = sorted(map(points.in_si, settings.get("xlim", (-np.inf, np.inf))))
     for line in points.lines(dataset, [], points.grid_dims(dataset)):
         place, colour = _whose(layer, dataset.isel(line.index), axis, colours)
-        branch.draw_marks(ax, dataset, line.index, colour, place, CHANGE, at_section=True)
+        branch.draw_marks(
+            ax, dataset, line.index, colour, place, CHANGE, at_section=True, within=(low, high)
+        )
     branch.name_marks(ax, [dataset], CHANGE)
 
 
@@ -650,17 +662,15 @@ def _analyses(diagram: xr.Dataset) -> list[dict[str, Any]]:
 
 def _cycles(
     dataset: xr.Dataset, axis: xr.DataArray, observed: str, at_section: bool
-) -> Iterator[tuple[xr.Dataset, str, np.ndarray, list[np.ndarray]]]:
-    """Where cycles are on other axes, their stability, places along this one and heights.
-
-    They are those of stretches of a branch, or of points of the grid.
+) -> Iterator[tuple[xr.Dataset, branch.Stretch]]:
+    """Where cycles are on other axes, and they along this one, of a branch or points of the grid.
 
     The heights are both extremes, or what they pass `at_section`.
     """
     if branch.is_along(dataset, str(axis.name), observed):
         for line in points.lines(dataset, [], points.grid_dims(dataset)):
             stretches = branch.stretches(dataset, line.index, at_section=at_section)
-            yield from ((dataset.isel(line.index), *stretch) for stretch in stretches)
+            yield from ((dataset.isel(line.index), stretch) for stretch in stretches)
     elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
         x, dim = points.positions(dataset.coords[str(axis.name)]), str(axis.dims[0])
         extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
@@ -670,7 +680,7 @@ def _cycles(
             mask = is_class(dataset["stable"], (word,)).isel(line.index)
             if mask.any():
                 shown = [height.isel(line.index).where(mask).values for height in heights]
-                yield dataset.isel(line.index), word, x, shown
+                yield dataset.isel(line.index), branch.Stretch(word, x, shown, at_section)
 
 
 def _at_section(dataset: xr.Dataset) -> Iterator[xr.DataArray]:

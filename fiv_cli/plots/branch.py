@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -47,7 +47,7 @@ MARKS = {
 }
 # Where bends lie close together the curve is seen inside their marks.
 HOLLOW: dict[str, Any] = {"mfc": "none", "mew": 0.6, "ms": 4.5, "ls": "none"}
-TOLD = {"equilibrium": "cycle ends at an equilibrium", "bracket": "goes on beyond the bracket"}
+TOLD = {"equilibrium": "ends at an equilibrium", "bracket": "goes on beyond the bracket"}
 LARGER = {"*": 1.7}  # of other marks: a star of their size is a dot
 AT_MARK = {"bracket": "goes on"}
 ABOVE = 5.0  # a mark, pt: where its word begins
@@ -137,13 +137,13 @@ def _branch(
 ) -> set[str]:
     """One branch: both extremes, in pieces of one stability, and its marks; their stabilities."""
     pieces = [*stretches(dataset, index)]
-    for word, value, extremes in pieces:
+    for word, value, extremes, _ in pieces:
         for height in extremes:
             dash, told = DASHES.get(word, "-"), points.unlisted(entry.label, word)
             ax.plot(value, height, dash, color=entry.colour, label=told)
     draw_marks(ax, dataset, index, entry.colour, entry.label)
     ax.plot([], [], color=entry.colour, label=entry.label, **style.COLOUR_ALONE)
-    return {word for word, _, _ in pieces}
+    return {piece.stability for piece in pieces}
 
 
 def draw_marks(
@@ -155,6 +155,7 @@ def draw_marks(
     look: Mapping[str, Any] = HOLLOW,
     *,
     at_section: bool = False,
+    within: tuple[float, float] = (-np.inf, np.inf),
 ) -> None:
     """A mark at each change and end of a branch, at the heights of the nearest of its cycles.
 
@@ -162,6 +163,8 @@ def draw_marks(
     """
     value, heights = _heights(dataset, index, at_section)
     for place, at, error, kind in _marks(dataset, index, value):
+        if not within[0] <= at <= within[1]:
+            continue
         mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, _words(kind))
         mark = LEFTWARDS if kind == "bracket" and at < value.mean() else mark
         wide = LARGER.get(mark, 1.0) * look["ms"]
@@ -182,6 +185,12 @@ def is_along(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
     return words[0].startswith(f"{parameter} ") and f" {observed} " in words[1]
 
 
+def changes(dataset: xr.Dataset) -> np.ndarray:
+    """Where along the parameter branches change, or end within their bracket."""
+    kinds = _kinds(dataset)
+    return np.asarray(dataset["cycle_end"].values[kinds != "bracket"])
+
+
 def told_of(
     dataset: xr.Dataset, parameter: str, variable: str
 ) -> Iterator[tuple[points.Line, str, np.ndarray, np.ndarray]]:
@@ -193,7 +202,7 @@ def told_of(
     observed, _, of = variable.rpartition("_")
     if of in OF_EXTREMES and is_along(dataset, parameter, observed):
         for line in points.lines(dataset, [], points.grid_dims(dataset)):
-            for word, value, extremes in stretches(dataset, line.index):
+            for word, value, extremes, _ in stretches(dataset, line.index):
                 yield line, word, value, OF_EXTREMES[of](*extremes)
 
 
@@ -207,17 +216,33 @@ def births(dataset: xr.Dataset) -> np.ndarray:
 
 
 def meets_sections(dataset: xr.Dataset) -> bool:
-    """Whether every cycle is known to pass the section; what never sticks passes no stick."""
-    return AT_SECTION in dataset and bool((dataset["branch_multiplicity"] > 0.0).all())
+    """Whether some cycles are known to pass the section; what never sticks passes no stick."""
+    return AT_SECTION in dataset and bool((dataset["branch_multiplicity"] > 0.0).any())
+
+
+class Stretch(NamedTuple):
+    """A piece of a branch, of one stability.
+
+    Attributes
+    ----------
+    stability : a word of `DASHES`
+    value : of the parameter
+    heights : both extremes or, `at_section`, what is passed there, the least first
+    """
+
+    stability: str
+    value: np.ndarray
+    heights: list[np.ndarray]
+    at_section: bool
 
 
 def stretches(
     dataset: xr.Dataset, index: Mapping[str, int], *, at_section: bool = False
-) -> Iterator[tuple[str, np.ndarray, list[np.ndarray]]]:
-    """Stability, values of the parameter and both extremes of each piece of a branch.
+) -> Iterator[Stretch]:
+    """The pieces of a branch; of cycles that pass no section extremes, though these are asked for.
 
-    Instead of these, what its cycles pass `at_section`, the least first. Pieces meet where the
-    stability changes: at what was bisected, between two cycles that pass as often.
+    Pieces meet where the stability changes: at what was bisected, between two cycles that pass as
+    often.
     """
     row, ends = _rows(dataset, ALONG, index), _rows(dataset, "cycle_end", index)
     if not _length(dataset, index):
@@ -225,6 +250,8 @@ def stretches(
     cycles = np.vstack(_heights(dataset, index, at_section))
     stability = _seen(class_names(dataset["branch_stable"])[row], cycles)
     counts = np.isfinite(cycles).sum(axis=0)  # another one: no value goes on from one to the next
+    passes = _passes(dataset, row) if at_section else np.zeros(counts.size, bool)
+    counts[passes] *= -1
     differs = (stability[1:] != stability[:-1]) | (counts[1:] != counts[:-1])
     changes = (np.flatnonzero(differs) + 1).tolist()
     known = dataset["cycle_end"].values[ends]
@@ -233,8 +260,14 @@ def stretches(
     met = {at: _between(cycles[:, at - 1], cycles[:, at], known, smooth) for at in alike}
     for begin, end in pairwise([0, *changes, len(stability)]):
         joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
-        value, *extremes = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
-        yield str(stability[begin]), value, extremes
+        piece = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
+        heights = [height for height in piece[1:] if np.isfinite(height).any()]
+        yield Stretch(str(stability[begin]), piece[0], heights, bool(passes[begin]))
+
+
+def _passes(dataset: xr.Dataset, row: slice) -> np.ndarray:
+    """Which cycles pass the section."""
+    return np.asarray(dataset["branch_multiplicity"].values[row] > 0.0)
 
 
 def _seen(stability: np.ndarray, cycles: np.ndarray) -> np.ndarray:
@@ -261,13 +294,18 @@ def _extent(cycles: np.ndarray) -> np.ndarray:
 def _heights(
     dataset: xr.Dataset, index: Mapping[str, int], at_section: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Values of the parameter along a branch, and both extremes there, or what is passed."""
+    """Values of the parameter along a branch, and extremes there or, if any, what is passed."""
     row = _rows(dataset, ALONG, index)
     value = dataset[ALONG].values[row]
+    extremes = np.stack([dataset[name].values[row] for name in EXTREMES])
     if not at_section:
-        return value, np.stack([dataset[name].values[row] for name in EXTREMES])
+        return value, extremes
     passed = dataset[AT_SECTION].values[_rows(dataset, AT_SECTION, index)]
-    return value, columns(passed, dataset["branch_multiplicity"].values[row])
+    heights = columns(passed, dataset["branch_multiplicity"].values[row])
+    heights = np.pad(heights, ((0, max(2 - len(heights), 0)), (0, 0)), constant_values=np.nan)
+    off = ~_passes(dataset, row)
+    heights[:2, off] = extremes[:, off]
+    return value, heights
 
 
 def columns(values: np.ndarray, sizes: np.ndarray) -> np.ndarray:
@@ -359,7 +397,9 @@ def _name_lines(ax: Axes, stabilities: set[str]) -> None:
 
 def name_marks(ax: Axes, datasets: Sequence[xr.Dataset], look: Mapping[str, Any] = HOLLOW) -> None:
     """Legend entries of the marks of changes and ends that are there, each as it is drawn."""
-    kinds = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
+    told = tuple(str(line.get_label()) for line in ax.lines)
+    found = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
+    kinds = {kind for kind in found if any(one.endswith(_words(kind)) for one in told)}
     marks = MARKS | dict.fromkeys(sorted(kinds - {*MARKS, *UNMARKED}), UNMET)
     onwards = [line for line in ax.lines if str(line.get_label()).endswith(_words("bracket"))]
     if {line.get_marker() for line in onwards} == {LEFTWARDS}:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 CLASS_SHIFT = 0.06
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
+ACROSS = 0.8  # of the width of a figure: what a panel has
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
@@ -181,7 +182,8 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
-    look |= {} if curve.is_marked or apart else {"marker": "None"}
+    if not apart:
+        look |= _marked_where_seen(ax, cut) if curve.is_marked else {"marker": "None"}
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
@@ -200,6 +202,19 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
         wide = np.flatnonzero(off > UNSEEN * np.nan_to_num(np.abs(y)).max())
         for cap in caps:
             cap.set(label=DECORATION, markevery=wide.tolist())
+
+
+def _marked_where_seen(ax: Axes, heights: np.ndarray) -> dict[str, Any]:
+    """Marks at all points; where these would hide the line, at those alone that no line meets."""
+    known = np.isfinite(heights)
+    if (
+        np.count_nonzero(known) * DOT["ms"]
+        < ax.figure.figure.get_figwidth() * style.POINTS * ACROSS
+    ):
+        return {}
+    beside = np.pad(known, 1)
+    alone = np.flatnonzero(known & ~beside[:-2] & ~beside[2:]).tolist()
+    return {"markevery": alone} if alone else {"marker": "None"}
 
 
 def _plot_unsure(ax: Axes, curve: _Curve, shift: float, entry: points.Entry) -> None:

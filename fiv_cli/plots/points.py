@@ -197,8 +197,7 @@ def _of_scale(ax: Axes, places: np.ndarray) -> np.ndarray:
 
 def scale(ax: Axes, settings: Settings) -> None:
     """Logarithmic axes and limits, as the figure asks; of what is drawn later, limits alone."""
-    log = settings.get("log", "")
-    logarithmic = [which for which in "xy" if log is True or which in str(log)]
+    logarithmic = [which for which in "xy" if is_logarithmic(settings, which)]
     _leave_out(ax, ["xy".index(which) for which in logarithmic])
     ax.set(**{f"{which}scale": "log" for which in logarithmic})
     for which in logarithmic:
@@ -210,6 +209,12 @@ def scale(ax: Axes, settings: Settings) -> None:
         _scale_to_view(ax)
 
 
+def is_logarithmic(settings: Settings, which: str) -> bool:
+    """Whether the figure asks for a logarithmic axis "x" or "y"."""
+    log = settings.get("log", "")
+    return log is True or which in str(log)
+
+
 def _scale_to_view(ax: Axes) -> None:
     """Let the ordinate reach over what marks and lines have between the limits of x."""
     collections = [one for one in ax.collections if isinstance(one, LineCollection)]
@@ -217,7 +222,8 @@ def _scale_to_view(ax: Axes) -> None:
         return
     own = [line for line in ax.lines if line.get_transform() == ax.transData]
     drawn = [(line.get_xydata(), line.get_linestyle() != "None") for line in own]
-    drawn += [(piece, True) for lines in collections for piece in lines.get_segments()]
+    pieces = (piece for lines in collections for piece in lines.get_segments())
+    drawn += [(piece, True) for piece in pieces if len(piece)]
     limits = sorted(ax.get_xlim())
     heights = np.concatenate([[], *(_heights(np.asarray(xy), on, limits) for xy, on in drawn)])
     known = heights[np.isfinite(heights)]
