@@ -1563,10 +1563,20 @@ def test_lines_of_a_map_have_their_levels_written_on_them():
     assert both.legends[0].get_title().get_text() == said
 
 
+def test_no_line_of_several_levels_lies_between_rest_and_motion():
+    """A single level is the border of a region, though that is a jump."""
+    dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
+    along_the_jump = []
+    for level in ([5e-4], [5e-4, 1e-3]):
+        x, y = on_the_lines(draw(dataset, figure("map", variable="L_s", level=level))).T
+        along_the_jump.append(np.count_nonzero(abs(y / x - 10.0) < 0.5))
+    assert along_the_jump[0] > 20 and along_the_jump[1] < 5
+
+
 @pytest.mark.parametrize("width", [60.0, 84.0, 200.0])
 def test_levels_written_on_lines_that_run_close_do_not_lie_on_each_other(width):
     dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
-    levels = {"variable": "L_s", "level": [1e-4, 2e-4, 3e-4]}
+    levels = {"variable": "L_s", "level": [5e-4, 7e-4, 9e-4]}
     drawn = draw(dataset, figure("map", **levels), look=look_of("paper", width=width))
     drawn.canvas.draw()
     boxes = [text.get_window_extent() for text in drawn.axes[0].texts]
@@ -1636,8 +1646,9 @@ def test_a_map_has_lines_at_a_level_of_another_analysis(variable):
     assert len(drawn.findobj(QuadMesh)) >= 1
     both = figure("map", variable="L_s", level={"L_s": 1e-3, "growth_rate": [0.0, 99.0]})
     drawn = draw(with_growth(), both)
-    dashes = {key.get_linestyle() for key in drawn.legends[0].get_lines()}
-    assert len(dashes - {"None"}) == 2  # each line that is drawn is told from the others
+    keys = [key for key in drawn.legends[0].get_lines() if key.get_linestyle() != "None"]
+    looks = {(key.get_linestyle(), key.get_color()) for key in keys}
+    assert len(looks) == 2  # each line that is drawn is told from the others
     assert "no line growth rate = 99 rad/s: below everywhere" in drawn.get_suptitle()
 
 

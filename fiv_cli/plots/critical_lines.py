@@ -63,7 +63,8 @@ class CriticalLines:
 
     def _look(self, piece: Piece) -> dict[str, Any]:
         """A line or, of a single place, a mark."""
-        return {"ls": self.style, "lw": 1.5} if piece[0].size > 1 else curve.PLACE | {"ls": "none"}
+        look = {"ls": self.style, "lw": 1.5} if piece[0].size > 1 else curve.PLACE | {"ls": "none"}
+        return look | {"path_effects": levels.RIM}
 
     @property
     def _words(self) -> str:

@@ -3,11 +3,15 @@
 Between the points of the grid the variable is taken to be linear. On a share of starts, say, the
 line at 0.5 is the border of the region in which half of them or more do it. A share that is an
 interval has a line for each end: the border is known where the two are one.
+
+A plane is a stack of parts, shape (parts, points along y, points along x): no line leads from one
+to another, as from what rests to what vibrates.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -27,12 +31,16 @@ if TYPE_CHECKING:
     from matplotlib.contour import QuadContourSet
     from matplotlib.typing import ColorType
 
-ROOM = 1.5  # between levels written on lines, and at the ends of these, in lengths of the writing
+# Between levels written on lines, and at the ends of these, in lengths of the writing; the second
+# where a line has less and its level would be written nowhere.
+ROOM, LEAST_ROOM = 1.5, 0.7
 ALIKE = (
     0.4  # of the half of what is written: a line of another level that is so near is one with it
 )
 PAD = 0.25  # around a level that is written, in heights of its letters
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
+NOT_KNOWN = "not known"
+RIM: Any = [withStroke(linewidth=3.0, foreground="white")]  # of lines on any shade
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
 
@@ -89,20 +97,23 @@ def draw(
     *,
     label: str = "",
     named: bool = True,
+    rim: bool = False,
     styles: Sequence[Any] = STYLES,
 ) -> None:
-    """Lines of a plane, shape (points along y, points along x), where its ends reach the levels.
+    """Lines of planes, one for each end of what is drawn, where they reach the levels.
 
-    Each that is long enough has its level written on it, if they are `named`.
+    Each that is long enough has its level written on it, if they are `named`; a `rim` sets them off
+    from any shade.
     """
     drawn = []
     for level, dashes in zip(levels, styles, strict=False):
         for plane in planes:
-            if not _beside(plane, level):
+            for part in [part for part in plane if not _side(part, level)]:
                 lines = ax.contour(
-                    *places, plane, levels=[level], colors=[colour], linestyles=[dashes],
+                    *places, part, levels=[level], colors=[colour], linestyles=[dashes],
                     linewidths=1.5,
                 )  # fmt: skip
+                lines.set_path_effects(RIM if rim else [])
                 lines.set_label(points.unlisted(label, _words(array, level)))
                 drawn.append((lines, level))
     for lines, level in drawn if named else ():
@@ -117,26 +128,36 @@ def _name(ax: Axes, lines: QuadContourSet, level: float, others: Sequence[QuadCo
     size, text = mpl.rcParams["legend.fontsize"], labels.number_text(level)
     height = size * ax.figure.dpi / style.POINTS
     box = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
-    room = 2.0 * ROOM * (box[0] - PAD * height)
+    length = 2.0 * (box[0] - PAD * height)
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
     pixels = ax.transData.transform
     low, high = ax.bbox.min + box, ax.bbox.max - box
     of_others = [pixels(piece) for one in others for piece in _pieces(one)]
     elsewhere = np.concatenate([np.zeros((0, 2)), *of_others])
     taken = [pixels(one.get_position()) for one in ax.texts]
-    chosen = []
+    chosen: list[np.ndarray] = []
+    roomiest: tuple[float, list[np.ndarray]] = (LEAST_ROOM * length, [])
     for piece in _pieces(lines):
         along = pixels(piece)
-        full = np.array([along[0], along[-1], *taken])
-        apart = np.linalg.norm(along[:, None] - full, axis=-1).min(axis=1)
+        apart = _distances(along, [along[0], along[-1]])
         apart[((along < low) | (along > high)).any(axis=1)] = 0.0
         hidden = (np.abs(along[:, None] - elsewhere) < ALIKE * box).all(axis=-1).any(axis=1)
-        apart[hidden] = 0.0
-        if apart.max() > room:
-            chosen.append(piece[apart.argmax()])
-            taken.append(along[apart.argmax()])
-    for text_ in ax.clabel(lines, fmt={level: text}, fontsize=size, manual=chosen):
+        apart[hidden | (_distances(along, taken) <= ROOM * length)] = 0.0
+        place, room = apart.argmax(), apart.max()
+        roomiest = max(roomiest, (room, [piece[place]]), key=itemgetter(0))
+        if room > ROOM * length:
+            chosen.append(piece[place])
+            taken.append(along[place])
+    for text_ in ax.clabel(lines, fmt={level: text}, fontsize=size, manual=chosen or roomiest[1]):
         text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
+
+
+def _distances(points: np.ndarray, others: Sequence[np.ndarray]) -> np.ndarray:
+    """Of each point to the nearest of the others."""
+    if not others:
+        return np.full(len(points), np.inf)
+    nearest: np.ndarray = np.linalg.norm(points[:, None] - np.array(others), axis=-1).min(axis=1)
+    return nearest
 
 
 def _pieces(lines: QuadContourSet) -> list[np.ndarray]:
@@ -145,10 +166,16 @@ def _pieces(lines: QuadContourSet) -> list[np.ndarray]:
 
 
 def _beside(plane: np.ndarray, level: float) -> str:
-    """On which side of the level the whole plane lies; nothing where the level runs through it."""
-    known = plane[np.isfinite(plane)]
+    """On which side of the level a plane lies, or its parts; nothing where a line leads through."""
+    sides = {_side(part, level) for part in plane}
+    return "" if "" in sides else " or ".join(sorted(sides - {NOT_KNOWN})) or NOT_KNOWN
+
+
+def _side(part: np.ndarray, level: float) -> str:
+    """On which side of the level it lies as a whole; nothing where the level runs through it."""
+    known = part[np.isfinite(part)]
     if known.size == 0:
-        return "not known"
+        return NOT_KNOWN
     if known.max() <= level:
         return "below"
     return "" if known.min() < level else "above"
@@ -220,7 +247,7 @@ def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> s
     """The label of a plane; of one without a line it says on which side of the levels it lies."""
     sides = {_beside(plane, level) for plane in ends for level in levels}
     side = next(iter(sides)) if len(sides) == 1 else ""
-    return points.joined(label, side and f"{side} everywhere" if side != "not known" else side)
+    return points.joined(label, side and f"{side} everywhere" if side != NOT_KNOWN else side)
 
 
 def _words(array: xr.DataArray, level: float) -> str:

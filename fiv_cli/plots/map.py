@@ -75,8 +75,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )
     is_class = bool(flag_names(planes.array.attrs))
-    colour = style.BLACK if is_class else style.VERMILLION  # none of the classes is black
-    keys = [key for one in lines for key in one.keys(colour)]
+    colours = [_colour(one, is_class) for one in lines]
+    keys = [key for one, colour in zip(lines, colours, strict=True) for key in one.keys(colour)]
     if is_class:
         _paint_classes(figure, axes, planes, keys)
     else:
@@ -84,7 +84,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         logarithmic = "z" in str(settings.get("log"))
         _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
-        for one in lines:
+        for one, colour in zip(lines, colours, strict=True):
             one.draw(ax, panel, colour)
         _dress(ax, number, columns, planes)
         points.scale(ax, settings)
@@ -120,10 +120,20 @@ class _Planes:
         own = {dim: index for dim, index in panel.index.items() if dim in array.dims}
         return array.isel(own).transpose(*reversed(self.dims)).values
 
-    def ends(self, panel: points.Line) -> list[np.ndarray]:
-        """The numbers of one panel (of an interval, at each end), NaN where there is no answer."""
-        ends = levels.planes_of(self.dataset, self.array)
-        return [self.of(numbers(end).where(self.computed), panel) for end in ends]
+    def ends(self, panel: points.Line, *, apart: bool = False) -> list[np.ndarray]:
+        """The numbers of one panel (of an interval, at each end), NaN where there is no answer.
+
+        They are stacks (`levels`) of one part or, `apart`, of what rests and of all else.
+        """
+        ends, reached = levels.planes_of(self.dataset, self.array), self.dataset.get("attractor")
+        rests = self.computed & False
+        if apart and reached is not None and {*reached.dims} <= {*self.array.dims}:
+            rests = is_class(reached, ("equilibrium",))
+        parts = [rests, ~rests] if rests.any() else [~rests]
+        return [
+            np.stack([self.of(numbers(end).where(self.computed & part), panel) for part in parts])
+            for end in ends
+        ]
 
     def mesh(self, ax: Axes, plane: np.ndarray, **looks: Any) -> QuadMesh:
         """Paint one panel."""
@@ -146,7 +156,12 @@ class _Lines:
     @property
     def ends(self) -> list[list[np.ndarray]]:
         """The numbers of each panel, at each end of what they may be."""
-        return [*map(self.planes.ends, self.planes.panels)]
+        return [*map(self._ends, self.planes.panels)]
+
+    def _ends(self, panel: points.Line) -> list[np.ndarray]:
+        """Those of one. A single level is the border of a region, which may be a jump; of several
+        no line leads along one from rest."""
+        return self.planes.ends(panel, apart=len(self.levels) > 1)
 
     @property
     def missed(self) -> list[str]:
@@ -159,8 +174,9 @@ class _Lines:
 
     def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> None:
         """Draw those of one panel."""
-        array, places, ends = self.planes.array, self.planes.places, self.planes.ends(panel)
-        look: dict[str, Any] = {"named": self.of_the_map, "styles": self.styles}
+        array, places, ends = self.planes.array, self.planes.places, self._ends(panel)
+        own = self.of_the_map
+        look: dict[str, Any] = {"named": own, "rim": not own, "styles": self.styles}
         levels.draw(ax, array, places, ends, self.levels, colour, **look)
 
 
@@ -169,16 +185,25 @@ def _lines(
 ) -> list[_Lines | CriticalLines]:
     """What lines a figure asks for: of the variable that it maps, and of others over its axes."""
     wanted = levels.asked(str(planes.array.name), settings.get("level", []))
-    styles = iter(levels.STYLES)
+    # lines of one colour have each a style of its own
+    styles = {is_own: iter(levels.STYLES) for is_own in (True, False)}
     found: list[_Lines | CriticalLines] = []
     for name, own in wanted.items():
+        is_own = name == planes.array.name
         if isinstance(own, str):
-            found.append(_critical(_holding(layer, name), planes, name, own, next(styles)))
+            line = _critical(_holding(layer, name), planes, name, own, next(styles[False]))
+            found.append(line)
         elif own:
-            over = planes if name == planes.array.name else _beside(layer, planes, name)
+            over = planes if is_own else _beside(layer, planes, name)
             levels.refuse_class(over.array)
-            found.append(_Lines(over, own, [*islice(styles, len(own))], over is planes))
+            found.append(_Lines(over, own, [*islice(styles[is_own], len(own))], is_own))
     return found
+
+
+def _colour(line: _Lines | CriticalLines, on_classes: bool) -> str:
+    """Levels of what is painted have one of their own; none of the classes is black."""
+    is_own = isinstance(line, _Lines) and line.of_the_map
+    return style.VERMILLION if is_own and not on_classes else style.BLACK
 
 
 def _critical(

@@ -512,12 +512,17 @@ def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int
 def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
     """Set words and ticks as there is room; lines that all panels above each other have more."""
     beside, upright = _room(ax)
-    locator = ax.xaxis.get_major_locator()
-    if isinstance(locator, AutoLocator):
-        locator.set_params(nbins=max(FEWEST_TICKS, min(9, beside // TICK_LETTERS)))
+    for axis in (ax.xaxis, ax.yaxis):
+        locator = axis.get_major_locator()
+        if isinstance(locator, AutoLocator):
+            locator.set_params(min_n_ticks=FEWEST_TICKS)
+            if axis is ax.xaxis:
+                locator.set_params(nbins=max(FEWEST_TICKS, min(9, beside // TICK_LETTERS)))
     above = "\n".join(_folded(one, beside) for one in title.splitlines())
     below = _folded(xlabel, beside)
     ax.set(title=above, xlabel=below, ylabel=_folded(ylabel, upright))
+    for label in (ax.xaxis.label, ax.yaxis.label):
+        label.set_linespacing(1.1)
     return (above.count("\n") - title.count("\n") + below.count("\n")) * _rows(ax)
 
 

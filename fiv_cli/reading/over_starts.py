@@ -28,10 +28,10 @@ def differing(dataset: xr.Dataset) -> list[dict[str, Any]]:
     -------
     list : for each pair of a few starts, or for many together: the ``starts``, in words, at how
         many ``points`` two of them are decided, at how many of these they ``differ`` in class and
-        where (``at``), of a pair also between which ``classes`` how often; at how many they reach
-        one class but ``another`` cycle, as its size says, and where (``another_at``), of those at
-        which that of several ``cycles`` is known; and at how many of those at which several are
-        ``stuck`` they are so ``elsewhere``, and where (``elsewhere_at``)
+        where (``at``), of a pair also between which ``classes`` how often; at how many two reach
+        ``another`` cycle, as its size says, and where (``another_at``), of those at which that of
+        several ``cycles`` is known; and at how many of those at which several are ``stuck`` they
+        are so ``elsewhere``, and where (``elsewhere_at``)
     """
     reached = dataset.get("attractor")
     if reached is None or reached.dims != dataset["status"].dims or "initial" not in reached.dims:
@@ -55,8 +55,8 @@ def _of_pair(pair: xr.Dataset) -> dict[str, Any]:
 
 def _among(dataset: xr.Dataset) -> dict[str, Any]:
     differ = _differ(dataset)
-    several, another = (mask & ~differ for mask in _another(dataset))
-    stuck, elsewhere = (mask & ~differ for mask in _elsewhere(dataset))
+    several, another = _another(dataset)
+    stuck, elsewhere = _elsewhere(dataset)
     decided = (~is_class(dataset["attractor"], OPEN)).sum("initial")
     return {
         "points": int((decided > 1).sum()),
