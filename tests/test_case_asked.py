@@ -217,7 +217,7 @@ def test_what_will_be_there(text: str) -> None:
         (
             figure('kind = "curve"', 'select = { attractor = "periodic" }'),
             "figure.0.select.attractor",
-            "is a result, and no axis what has a class is what a claim narrows itself to",
+            "is a result, and no axis to a class a claim narrows itself",
         ),
         (plane("level = 0.5"), "figure.0.level", "'attractor' holds classes"),
         (
@@ -250,6 +250,12 @@ def test_what_will_not_be_there(text: str, path: str, words: str) -> None:
     assert found.path == path
     assert found.line is not None
     assert words in f"{found.message} {found.suggestion}"
+
+
+def test_a_figure_may_select_along_the_own_axes_of_its_variable() -> None:
+    along = figure('kind = "curve"', 'variable = "boundary"', "select = { L_s = 1 }")
+    found = problem(along.replace('[[analysis]]\nkind = "response"\n', BOUNDARY))
+    assert found.allowed == "v, initial, crossing"
 
 
 def test_another_case_is_asked_for_one_number_at_each_point(

@@ -1034,7 +1034,7 @@ def test_marks_of_many_crossings_do_not_hide_their_lines(count, marked):
     assert has_marks == {1: True, count: marked}
 
 
-@pytest.mark.parametrize(("error", "seen"), [(0.1, True), (1e-6, False)])
+@pytest.mark.parametrize(("error", "seen"), [(0.1, True), (1e-3, False)])
 def test_error_bars_too_short_to_be_seen_have_no_ends(error, seen):
     found = data.bifurcation()
     found["L_s_error"] = error * found["L_s"].where(found["L_s"] > 0.0)

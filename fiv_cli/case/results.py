@@ -144,7 +144,8 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
         if value is not None:
             changed[key] = ascii_name(value)
     if table.select:
-        changed["select"] = _selection(table.select, answers, (*place, "select"), report)
+        of = [table.variable] if isinstance(table.variable, str) else table.variable or []
+        changed["select"] = _selection(table.select, answers, (*place, "select"), report, of)
     if axes := _axes_as_levels(table):
         changed["level"] = {**table.level, **axes}  # type: ignore[dict-item]
     if table.take is not None:
@@ -181,12 +182,12 @@ def _selection(
     answers: Answers,
     place: Path,
     report: Report,
-    of: str = "",
+    of: Sequence[str] = (),
     narrows: bool = False,
 ) -> dict[str, Any]:
     """Axis -> value in SI, or label, or condition, for the keys that are dims.
 
-    Where it is said `of` which variable, its own dims are named among what is allowed. Where a
+    Where it is said `of` which variables, their own dims are named among what is allowed. Where a
     result `narrows` it, what is asked of that is left as it is.
     """
     kinds = dict.fromkeys(own_dims(), "own") | answers.axis_names() | {"initial": "label"}
@@ -194,7 +195,8 @@ def _selection(
     for key, value in given.items():
         name, at = axis_name(key), (*place, key)
         if name not in kinds:
-            known = [*answers.axis_names(), "initial", *named(of).dims]
+            own = dict.fromkeys(dim for one in of for dim in named(one).dims)
+            known = [*answers.axis_names(), "initial", *own]
             message = f"{name!r} is no axis of this case{answers.varied_by(name)}"
             if not _is_result(name, answers.physics):
                 note_no_axis(name, message, at, known, answers.physics, report)
@@ -235,8 +237,8 @@ def _is_result(name: str, physics: Physics) -> bool:
 
 
 NARROWS = (
-    'what has a class is what a claim narrows itself to, at = { attractor = "periodic" }, or '
-    'counts, take = { what = "share", of = "periodic", over = AXIS }'
+    'to a class a claim narrows itself, at = { attractor = "periodic" }; figures and claims '
+    'count what has it, take = { what = "share", of = "periodic", over = AXIS }'
 )
 _SELECTS = (
     'a number, a quantity ("20 rpm"), a condition on the value ".", such as ". >= 7", '
@@ -267,7 +269,7 @@ def _claim(table: ClaimTable, place: Path, answers: Answers, report: Report) -> 
         text=table.text,
         variable=table.variable,
         expect=_expected(table, place, answers, report),
-        at=_selection(table.at, answers, (*place, "at"), report, table.variable, narrows=True),
+        at=_selection(table.at, answers, (*place, "at"), report, [table.variable], narrows=True),
         holds=table.holds,
         note=table.note,
         analysis=table.analysis or "",
@@ -296,7 +298,7 @@ def _reference(
     analysis = said.analysis or (claim.analysis or "") * (variable == claim.variable)
     if not said.case:
         _check_analysis(analysis or None, answers, place, report)
-        at = _selection(at, answers, (*place, "at"), report, variable)
+        at = _selection(at, answers, (*place, "at"), report, [variable])
     if take is not None:
         form = read_table(TakeTable, take, (*place, "take"), report)
     else:

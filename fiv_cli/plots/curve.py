@@ -43,7 +43,7 @@ PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at on
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
 ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CAP = 2.0  # half the width of the ends of error bars, pt
-UNSEEN = 1e-4  # of the greatest value: an error bar that is shorter has no ends
+UNSEEN = 5e-3  # of all that a panel shows: an error bar that is shorter has no ends
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
 NARROW = 2.5e-3  # of the greatest value: half of what may be, that is told by an error bar
 UNSURE = {
@@ -111,8 +111,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     numeric = select.is_numeric(axis)
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
-        _panel(ax, [dataset[name] for name in own], lines, numeric)
-        if any(_is_of_a_sample(layer.dataset, name) for layer in along for name in own):
+        logarithmic = points.is_logarithmic(settings, "y")
+        barred = _panel(ax, [dataset[name] for name in own], lines, numeric, logarithmic)
+        if barred and any(_is_of_a_sample(layer.dataset, name) for layer in along for name in own):
             ax.plot([], [], color=style.BLACK, label="standard error", **ERROR_BAR)
     told = "undecided" if names == ["attractor"] else ""
     points.dress(axes, along, settings, told)
@@ -156,8 +157,13 @@ def _panel(
     variables: Sequence[xr.DataArray],
     lines: Sequence[tuple[_Curve, points.Entry]],
     numeric: bool,
-) -> None:
-    """The lines of some variables of one unit, against an axis that is `numeric` or of names."""
+    logarithmic: bool,
+) -> bool:
+    """The lines of some variables of one unit, against an axis that is `numeric` or of names.
+
+    Tells whether the ends of some error bars are seen.
+    """
+    extent, barred = _extent([curve for curve, _ in lines], logarithmic), False
     classes = bool(flag_names(variables[0].attrs))
     for sort in dict.fromkeys(curve.sort for curve, _ in lines if curve.sort):
         own = sorted((c for c, _ in lines if c.sort == sort), key=lambda one: one.x.size)
@@ -168,10 +174,21 @@ def _panel(
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         _plot(ax, curve, shift, entry, classes or entry.scattered or not numeric)
+        barred |= _plot_errors(ax, curve, shift, entry, extent * UNSEEN, logarithmic)
     for told, look in UNSURE.items():
         if any(str(drawn.get_label()).endswith(told) for drawn in (*ax.lines, *ax.collections)):
             ax.plot([], [], color=style.BLACK, label=told, **look)
     _name_values(ax, variables)
+    return barred
+
+
+def _extent(curves: Sequence[_Curve], logarithmic: bool) -> float:
+    """From the least to the greatest of what is drawn, errors included; of its logarithm."""
+    ends = [end for one in curves for end in (one.y - one.error, one.y + one.error, one.y)]
+    heights = np.concatenate([np.zeros(0), *map(np.ravel, ends)])
+    heights = heights[np.isfinite(heights)]
+    heights = np.log(heights[heights > 0.0]) if logarithmic else heights
+    return float(np.ptp(heights)) if heights.size else 0.0
 
 
 def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool) -> None:
@@ -188,20 +205,34 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
     _plot_unsure(ax, curve, shift, entry)
+
+
+def _plot_errors(
+    ax: Axes,
+    curve: _Curve,
+    shift: float,
+    entry: points.Entry,
+    least_seen: float,
+    logarithmic: bool,
+) -> bool:
+    """The error bars of a line, without ends where these are too near; whether some have ends."""
+    y = np.where(curve.is_wide, np.nan, curve.y) + shift
     off = np.where(np.isfinite(curve.error), curve.error, np.nan)
     bounded = curve.is_wide & np.isfinite(curve.ends).all(axis=0) & (off > 0.0)
     low, high = (np.where(bounded, end, 0.0) for end in curve.ends)
     y = np.where(bounded, 0.5 * (low + high) + shift, y)
     off = np.where(bounded, off + 0.5 * (high - low), off)  # beyond both of what may be
-    if np.nan_to_num(off).any():
-        least, most = curve.limits
-        both = np.stack([np.minimum(off, y - least), np.minimum(off, most - y)])
-        bars = ax.errorbar(curve.x, y, both, fmt="none", ecolor=entry.colour, lw=0.8, capsize=CAP)
-        _, caps, (lengths,) = bars.lines
-        lengths.set_label(points.unlisted(entry.label, "error bar"))
-        wide = np.flatnonzero(off > UNSEEN * np.nan_to_num(np.abs(y)).max())
-        for cap in caps:
-            cap.set(label=DECORATION, markevery=wide.tolist())
+    if not np.nan_to_num(off).any():
+        return False
+    least, most = curve.limits
+    both = np.stack([np.minimum(off, y - least), np.minimum(off, most - y)])
+    bars = ax.errorbar(curve.x, y, both, fmt="none", ecolor=entry.colour, lw=0.8, capsize=CAP)
+    _, caps, (lengths,) = bars.lines
+    lengths.set_label(points.unlisted(entry.label, "error bar"))
+    wide = np.flatnonzero(off > least_seen * (np.abs(y) if logarithmic else 1.0))
+    for cap in caps:
+        cap.set(label=DECORATION, markevery=wide.tolist())
+    return bool(wide.size)
 
 
 def _marked_where_seen(ax: Axes, heights: np.ndarray) -> dict[str, Any]:

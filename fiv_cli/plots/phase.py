@@ -223,9 +223,9 @@ def _smooth(time: np.ndarray, path: np.ndarray) -> np.ndarray:
 def _spline(time: np.ndarray, path: np.ndarray) -> np.ndarray:
     if time.size < FEWEST_SMOOTH:
         return path
-    from scipy.interpolate import PchipInterpolator
+    from scipy.interpolate import Akima1DInterpolator
 
     between = np.linspace(0.0, 1.0, FINER, endpoint=False)
     fine = np.append((time[:-1, None] + between * np.diff(time)[:, None]).ravel(), time[-1])
-    smooth: np.ndarray = PchipInterpolator(time, path)(fine)
+    smooth: np.ndarray = Akima1DInterpolator(time, path, method="makima")(fine)
     return smooth

@@ -84,7 +84,7 @@ TITLE_LETTERS = 92  # in a figure of one panel on a screen
 MARKUP = re.compile(r"\\[A-Za-z]+|[{}$_^]")
 POINTS = 72.0  # an inch
 FEWEST_TICKS = 3  # steps between them, on an axis of any length
-TICK_LETTERS = 9  # that a tick and the gap beside it take
+TICK_LETTERS = 7  # that a tick and the gap beside it take
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
 KEY, STAR_KEY = 4.5, 8.0  # sizes of the marks in legends, pt
 # Where a legend is looked for a place in a panel, and the sides of the compass there.
@@ -548,9 +548,11 @@ def _letter(font: str) -> float:
 
 
 def _folded(words: str, most: int) -> str:
-    """Words in lines of at most so many letters, no formula, equation, error nor unit divided."""
+    """Words in lines of at most so many letters, no formula, number, error nor unit divided."""
     lines = [""]
-    for word in re.findall(r"(?:\$[^$]*\$|\S)+(?: [=±] \S+)*(?: \([^()=]*\)$)?", words):
+    for word in re.findall(
+        r"(?:\$[^$]*\$|\S)+(?: \d+(?!\S))?(?: [=±] \S+)*(?: \([^()=]*\)$)?", words
+    ):
         line = f"{lines[-1]} {word}".strip()
         if len(MARKUP.sub("", line)) <= most or not lines[-1]:
             lines[-1] = line
