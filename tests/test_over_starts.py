@@ -13,8 +13,9 @@ from synthetic_datasets import tried
 
 from fiv_cli import api
 from fiv_cli.case.load import parse_case
-from fiv_cli.reading import over_starts
+from fiv_cli.reading import over_starts, shares
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
+from fiv_cli.reading.datasets import is_class
 from fiv_cli.reading.over_laws import stretches
 
 DAMPING = 0.2
@@ -164,3 +165,17 @@ def test_axes_that_advance_as_one_are_named_at_both_ends_of_a_range() -> None:
 @pytest.mark.parametrize("rows", [{"up": "ep"}, {"up": "uu", "down": "ee"}])
 def test_nothing_is_said_where_nothing_can_be_compared(rows: dict[str, str]) -> None:
     assert over_starts.lines(reached(rows)) == []
+
+
+def test_shares_of_random_starts_are_told_cycle_by_cycle_where_there_are_several() -> None:
+    found = data.basin(count=100, speeds=(1.0, 2.0))
+    is_cycle = is_class(found["attractor"], ("periodic",)).values
+    large = found["initial_state"].sel(state="x").values > 0.0
+    found["L_s"] = found["L_s"].dims, np.where(is_cycle, np.where(large, 2.0, 1.0), 0.0)
+    found["L_s"][1] = np.where(is_cycle[1], 1.0, 0.0)
+    found["period"] = found["L_s"].dims, np.where(is_cycle, 3.0 * found["L_s"].values, np.nan)
+    rows = shares.of_cycles(found)["any"]
+    counts = [(is_cycle[0] & ~large[0]).sum(), (is_cycle[0] & large[0]).sum()]
+    assert [row["share"][0] for row in rows] == [count / 100 for count in counts]
+    assert [(row["Omega"], row["period"]) for row in rows] == [(1.0, 3.0), (1.0, 6.0)]
+    assert "any, cycle by cycle" in shares.lines_of_cycles({"any": rows})[0]

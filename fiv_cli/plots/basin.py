@@ -19,8 +19,8 @@ from fiv_cli.notation.amounts import with_error
 from fiv_cli.plots import drawn, labels, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import shares
+from fiv_cli.reading.cycles import size_of_cycles, told_apart, tolerance
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
-from fiv_cli.reading.over_starts import size_of_cycles, tolerance
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -183,22 +183,13 @@ def _motions(part: xr.Dataset, single: bool) -> np.ndarray:
     reached = class_names(part["attractor"]).astype(object)
     size = size_of_cycles(part).values
     is_cycle = np.isfinite(size)
-    number = _told_apart(size[is_cycle], tolerance(part))
+    number = told_apart(size[is_cycle], tolerance(part))
     if 0 < number.max(initial=0) < len(OF_CYCLES):
         by_period = single and "period" in part
         names = _by_period(part["period"].values[is_cycle], number) if by_period else None
         numbers = [f"cycle {one}" for one in range(1, len(OF_CYCLES) + 1)]
         reached[is_cycle] = np.array(names or numbers, object)[number]
     return reached
-
-
-def _told_apart(sizes: np.ndarray, tolerance: float) -> np.ndarray:
-    """The number of the cycle of each size, from the least: where they differ, it is another."""
-    order = np.argsort(sizes)
-    another = np.diff(sizes[order]) > tolerance * sizes[order][1:]
-    number = np.zeros(sizes.size, int)
-    number[order] = np.append(0, np.cumsum(another))
-    return number
 
 
 def _by_period(periods: np.ndarray, number: np.ndarray) -> list[str]:

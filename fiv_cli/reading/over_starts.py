@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, islice
@@ -11,14 +10,12 @@ from typing import Any
 import xarray as xr
 
 from fiv_cli.reading import select
+from fiv_cli.reading.cycles import displacements, size_of_cycles, tolerance
 from fiv_cli.reading.datasets import flag_names, is_class
 from fiv_cli.reading.over_laws import OPEN, stretches
 
 MOST_PAIRED = 3  # starts that are held against one another; more are told together
 NAMED = 4  # stretches of an axis that are named; of more the range
-# Of the tolerance, relative: in shipped cases L_s differs by no more than 10 of it between starts
-# that reach one cycle, by 1e5 and more where they reach two.
-ANOTHER = 1e3
 
 
 def differing(dataset: xr.Dataset) -> list[dict[str, Any]]:
@@ -84,31 +81,11 @@ def _another(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     return several, _spread(of_cycles) > tolerance(dataset) * of_cycles.max("initial")
 
 
-def size_of_cycles(dataset: xr.Dataset) -> xr.DataArray:
-    """L_s of what is periodic; the range of all at points where some have none.
-
-    Where nothing slides at rest nothing does: L_s is measured from there.
-    """
-    is_cycle = is_class(dataset["attractor"], ("periodic",))
-    size = dataset.get("L_s", xr.full_like(is_cycle, float("nan"), float)).where(is_cycle)
-    for name in [n for n in _displacements(dataset) if f"{n}_min" in dataset][:1]:
-        extent = (dataset[f"{name}_max"] - dataset[f"{name}_min"]).where(is_cycle)
-        lacking = (size.isnull() & extent.notnull()).any("initial")
-        size = extent.where(lacking, size)
-    return size
-
-
-def _displacements(dataset: xr.Dataset) -> list[str]:
-    """Those whose greatest value is known."""
-    greatest = [n for n in map(str, dataset) if n.endswith("_max") and not n.endswith("_dot_max")]
-    return [name.removesuffix("_max") for name in greatest]
-
-
 def _elsewhere(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
     """Where several starts end stuck, and where they do so at other displacements."""
     is_stuck = is_class(dataset.get("reason", dataset["attractor"]), ("stuck",))
     elsewhere = is_stuck.any("initial") & False
-    for name in _displacements(dataset):
+    for name in displacements(dataset):
         greatest = dataset[f"{name}_max"]
         at_rest = greatest.where(is_stuck)
         elsewhere |= _spread(at_rest) > tolerance(dataset) * abs(greatest).max()
@@ -117,11 +94,6 @@ def _elsewhere(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
 
 def _spread(values: xr.DataArray) -> xr.DataArray:
     return values.max("initial") - values.min("initial")
-
-
-def tolerance(dataset: xr.Dataset) -> float:
-    """Relative: a motion whose L_s differs by more is another."""
-    return ANOTHER * float(json.loads(dataset.attrs["solver_json"])["rtol"])
 
 
 def _places(marked: xr.DataArray) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,12 +11,14 @@ import numpy as np
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.notation.tables import plain_table
+from fiv_cli.reading.cycles import size_of_cycles, told_apart, tolerance
 from fiv_cli.reading.datasets import flag_names, is_class
 
 if TYPE_CHECKING:
     import xarray as xr
 
 ERROR = "standard_error"
+MOST_CYCLES = 8  # that are told one by one
 MOST_POINTS = 24  # at which shares are told one by one
 SURE = 0.05  # chance with which what all of a sample, or none, show is told wrongly
 Share = tuple[float, float, int]
@@ -49,6 +51,36 @@ def at_each_point(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
                 if all(map(_is_known, row))
             ]
     return rows
+
+
+def of_cycles(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
+    """Label of random starts -> value of the axes, and of each of several cycles its `Share`.
+
+    Its ``period``, s, stands beside. Of a few points, as `at_each_point`, where there are several.
+    """
+    rows: dict[str, list[dict[str, Any]]] = {}
+    for label, reached in _families(dataset).items():
+        family = dataset.sel(initial=reached["initial"])
+        points = reached.isel(initial=0, drop=True)
+        for place in range(points.size if points.size <= MOST_POINTS else 0):
+            index = dict(zip(points.dims, np.unravel_index(place, points.shape), strict=True))
+            one = family.isel(index)
+            axes = {str(n): one[n].item() for n, axis in points.coords.items() if axis.size > 1}
+            rows.setdefault(label, []).extend(axes | cycle for cycle in _cycles(one))
+    return {label: found for label, found in rows.items() if found}
+
+
+def _cycles(part: xr.Dataset) -> Iterator[dict[str, Any]]:
+    """Of each cycle that starts of one point reach; nothing of one alone, nor of many."""
+    sizes = size_of_cycles(part[[n for n in part if part[n].dims == ("initial",)]]).values
+    number = told_apart(sizes[np.isfinite(sizes)], tolerance(part))
+    if not 0 < number.max(initial=0) < MOST_CYCLES or "period" not in part:
+        return
+    total = int((~is_class(part["attractor"], (NOT_COMPUTED,))).sum())
+    for one, count in enumerate(np.bincount(number).tolist()):
+        period = part["period"].values[np.isfinite(sizes)][number == one][0]
+        share = count / total
+        yield {"period": float(period), "share": (share, standard_error(share, total), total)}
 
 
 def _is_known(value: Any) -> bool:
@@ -144,6 +176,17 @@ def lines_of_points(told: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str
         cells = [[_cell(value) for value in row.values()] for row in rows]
         lines += [f"  shares of {label} at each point:"]
         lines += [f"    {line}" for line in plain_table([*rows[0]], cells)]
+    return lines
+
+
+def lines_of_cycles(told: Mapping[str, Sequence[Mapping[str, Any]]]) -> list[str]:
+    """The same of each of several cycles."""
+    lines = []
+    for label, rows in told.items():
+        heads = ["period (s)" if name == "period" else name for name in rows[0]]
+        cells = [[_cell(value) for value in row.values()] for row in rows]
+        lines += [f"  shares of {label}, cycle by cycle, where there are several:"]
+        lines += [f"    {line}" for line in plain_table(heads, cells)]
     return lines
 
 
