@@ -88,11 +88,6 @@ def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
     entries = [text.get_text() for text in ax.figure.legends[0].get_texts()]
     happens = ["grazing", "ends at an equilibrium", "goes on beyond the bracket"]
     assert entries[2:] == ["stable", "unstable", *happens]
-    written = {text.get_text(): text.xy for text in ax.texts}
-    assert {*written} == {"grazing", "equilibrium", "goes on"}
-    ends, kinds = branches["cycle_end"].values, words(branches["cycle_end_kind"])
-    for word, (at, _) in written.items():
-        assert at in ends[[kind == {"goes on": "bracket"}.get(word, word) for kind in kinds]]
     assert "least and greatest" in ax.get_ylabel()
 
 
@@ -108,18 +103,6 @@ def test_marks_are_hollow_and_the_key_points_where_the_branch_goes_on(branches: 
     branch, stable = keys["$N$ = 9 N"], keys["stable"]
     assert branch.get_linewidth() > 3.0 * stable.get_linewidth()
     assert stable.get_color() == BLACK
-
-
-def test_what_happens_close_together_is_told_with_how_often(branches: xr.Dataset) -> None:
-    """Of several branches: how often one of them has it there."""
-    (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
-    ends, kinds = branches["cycle_end"], branches["cycle_end_kind"]
-    near = ends.copy(data=ends.values[[1, 1, 1, 4, 4, 4]] + [0.0, 1e-3, 2e-3] * 2)
-    of_near = kinds.copy(data=kinds.values[[1, 1, 2] * 2])
-    inside = branches["cycle_end_goes_on"].copy(data=[1] * 6)  # all are changes, none an end
-    changes = {"cycle_end": near, "cycle_end_kind": of_near, "cycle_end_goes_on": inside}
-    (ax,) = draw(branches.assign(changes), figure).axes
-    assert {text.get_text() for text in ax.texts} == {"2 × grazing,\nequilibrium"}
 
 
 def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import matplotlib as mpl
 import numpy as np
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import labels, levels, points, style
+from fiv_cli.plots import labels, points, style
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names
 
@@ -20,7 +17,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.text import Annotation
     from matplotlib.typing import ColorType
 
 ALONG = "branch_value"
@@ -49,11 +45,7 @@ MARKS = {
 HOLLOW: dict[str, Any] = {"mfc": "none", "mew": 0.6, "ms": 4.5, "ls": "none"}
 TOLD = {"equilibrium": "ends at an equilibrium", "bracket": "goes on beyond the bracket"}
 LARGER = {"*": 1.7}  # of other marks: a star of their size is a dot
-AT_MARK = {"bracket": "goes on"}
-ABOVE = 5.0  # a mark, pt: where its word begins
-EDGE = 0.12  # of the width of a panel: no word that begins so near a side reaches beyond it
 SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
-TIMES = "\N{MULTIPLICATION SIGN}"
 LEFTWARDS = "<"
 UNSEEN = 1e-4  # share of a branch, along and across, below which a piece of it is no line
 UNMET = "|"  # what the model asks of its parameters no longer holds
@@ -93,43 +85,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     greatest = labels.axis_label(first[EXTREMES[1]])
     ax.set_ylabel(greatest.replace("greatest", "least and greatest"))
     points.scale(ax, settings)
-    _write_words(ax, [(dataset, index) for _, dataset, index in named])
     points.legend([ax])
     return figure
-
-
-def _write_words(ax: Axes, named: Sequence[tuple[xr.Dataset, Mapping[str, int]]]) -> None:
-    """What happens at each mark, above it: with what is near, how often a branch has it there."""
-    told: dict[Annotation, Counter[str]] = {}
-    ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
-    for dataset, index in named:
-        own: Counter[tuple[Annotation, str]] = Counter()
-        value, heights = _heights(dataset, index, at_section=False)
-        for place, at, _, kind in _marks(dataset, index, value):
-            word, where = AT_MARK.get(kind, kind.replace("_", " ")), (at, heights[:, place].max())
-            text = next((one for one in told if _lie_on_each_other(ax, where, word, one)), None)
-            if text is None:
-                across = (ax.transData - ax.transAxes).transform(where)[0]
-                side = "left" if across < EDGE else "right" if across > 1.0 - EDGE else "center"
-                text = ax.annotate(
-                    "", where, (0.0, ABOVE), textcoords="offset points", ha=side, va="bottom",
-                    fontsize=mpl.rcParams["legend.fontsize"], path_effects=levels.HALO,
-                )  # fmt: skip
-            own[text, word] += 1
-            counts = told.setdefault(text, Counter())
-            counts[word] = max(counts[word], own[text, word])
-            text.xy = max(text.xy, where, key=itemgetter(1))
-    for text, counts in told.items():
-        times = [word if n == 1 else f"{n} {TIMES} {word}" for word, n in counts.items()]
-        text.set_text(",\n".join(times))
-
-
-def _lie_on_each_other(ax: Axes, where: tuple[float, float], word: str, text: Annotation) -> bool:
-    """Whether a word above a place has no room beside a text."""
-    letter = mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS
-    here, there = ax.transData.transform([where, text.xy]) / letter
-    room = levels.ROOM * style.LETTER * len(word), style.LINE
-    return bool((np.abs(here - there) <= room).all())
 
 
 def _branch(

@@ -459,6 +459,7 @@ GAP_MARKS = {
 
 
 MOST_GAP_ROWS = 6
+APART = 0.015  # of the diagonal of a panel: marks in a row are no bar
 LOWEST_GAP, GAP_ROW = 0.0, 0.03  # of the height of a panel: upon the axis, no mark is a value
 
 
@@ -487,7 +488,7 @@ def mark_gaps(
         ax.plot(
             x, np.full(x.shape, LOWEST_GAP + GAP_ROW * level), marker, color=colour, ms=5,
             ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
-            transform=ax.get_xaxis_transform(), zorder=5,
+            transform=ax.get_xaxis_transform(), zorder=5, markevery=APART,
         )  # fmt: skip
     limited = "ylim" in settings and ax is axes[0]
     if rows and not limited and ax.get_yscale() == "linear":
