@@ -271,6 +271,12 @@ ENDED_EARLY = ("diverged", "contact_lost")
 
 # ... and of undecided ones whose time was up before they had settled: what they did until then
 # says nothing of where they end.
+MOTION_OF_A_CYCLE = (
+    "of the cycle that its `cycle` found, which may be unstable, a [[initial]] of kind `state` "
+    "at `cycle_section` (fiv show FILE.nc --csv 'cycle_section[*],cycle_period'), with t_end its "
+    "period"
+)
+
 ON_THE_WAY = ("time_budget", "slide_not_decided")
 
 STATUS = FlagTable(

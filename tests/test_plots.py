@@ -3453,3 +3453,14 @@ def test_show_refuses_what_is_no_dataset(stored):
     (stored / "broken.nc").write_bytes(b"nothing")
     with pytest.raises(InputError):
         run(show_command, "broken.nc")
+
+
+def test_files_of_other_starts_are_not_called_by_a_setting_in_which_they_differ_too():
+    made = []
+    for name, kind, t_max in (("drawn", "random", 1e3), ("lattice", "state", 1e4)):
+        asked = {"response": {"kind": "response", "settings": {"t_max": t_max}}}
+        starts = {"starts_json": json.dumps({name: kind}), "analyses_json": json.dumps(asked)}
+        made.append((name, data.bifurcation().assign_attrs(starts)))
+    assert words.told_apart(made) == ["drawn", "lattice"]
+    of_one = [(name, one.assign_attrs(starts_json="{}")) for name, one in made]
+    assert words.told_apart(of_one) == ["t_max = 1000.0", "t_max = 10000.0"]

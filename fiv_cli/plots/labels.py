@@ -182,7 +182,7 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     r"""What to call each of several datasets in one figure: what they differ in, else their files.
 
     That is the law, or one or two fixed parameters: ``stribeck``; ``$c_1$ = $c_2$ = 3 N s/m``; or
-    settings (``follow = up``), or those parameters that others vary.
+    settings (``follow = up``) of the same starts, or those parameters that others vary.
     """
     datasets = [dataset for _, dataset in files]
     laws = [str(one.attrs.get("law", "")) for one in datasets]
@@ -194,8 +194,9 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     apart = len({*named}) == len(named) == (len(files) - sum(branches) or len(files))
     if apart:
         return found
+    same_starts = len({str(one.attrs.get("starts_json")) for one in datasets}) == 1
     asked = _differing_settings(datasets)
-    if len({*asked}) == len(files):
+    if same_starts and len({*asked}) == len(files):
         return asked
     fixed = [_fixed_of_axes(one, datasets) for one in datasets]
     alone = fixed.count("") == 1 < len(fixed)  # its own lines tell it from what is fixed

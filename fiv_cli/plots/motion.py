@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import MOTION_OF_A_CYCLE
 from fiv_cli.plots import labels, points
 from fiv_cli.reading import sampling, select
 from fiv_cli.reading.datasets import flag_names
@@ -112,9 +113,10 @@ def suits(dataset: xr.Dataset) -> bool:
 def refuse_without(dataset: xr.Dataset) -> None:
     """UsageError where the dataset holds no motion in time."""
     if not suits(dataset):
+        of_a_cycle = f"; {MOTION_OF_A_CYCLE}" * ("cycle_section" in dataset)
         raise UsageError(
             "no motion in time in this dataset\n"
-            "compute one with: fiv history CASE --at AXIS=VALUE,initial=LABEL"
+            f"compute one with: fiv history CASE --at AXIS=VALUE,initial=LABEL{of_a_cycle}"
         )
 
 

@@ -24,7 +24,7 @@ from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.data.netcdf import global_attributes, write_datasets
 from fiv_cli.data.provenance import provenance
 from fiv_cli.errors import UsageError
-from fiv_cli.flags import REASONS, STATUS, advice
+from fiv_cli.flags import MOTION_OF_A_CYCLE, REASONS, STATUS, advice
 from fiv_cli.models import get_model
 from fiv_cli.notation.units import convert
 from fiv_cli.sweep.output import check_output
@@ -403,13 +403,6 @@ def _continued(alone: AnalysisPlan) -> AnalysisPlan:
     return replace(alone, template=replace(alone.template, entries=entries))
 
 
-OF_ITS_CYCLE = (
-    "; of the cycle that its `cycle` found, which may be unstable, a [[initial]] of kind `state` "
-    "at `cycle_section` (fiv show FILE.nc --csv 'cycle_section[*],cycle_period'), with t_end its "
-    "period"
-)
-
-
 def _over_periods(
     settings: Mapping[str, float], period: float, periods: float, reached: str, cycles: bool
 ) -> Mapping[str, float]:
@@ -417,7 +410,7 @@ def _over_periods(
     if not np.isfinite(period):
         raise UsageError(
             f"--periods: the steady state has no period: its class is {reached}\n"
-            f"next: --settled --t-end TIME, or another point{OF_ITS_CYCLE * cycles}"
+            f"next: --settled --t-end TIME, or another point{f'; {MOTION_OF_A_CYCLE}' * cycles}"
         )
     return {"sample": period / SAMPLES_A_PERIOD, **settings, "t_end": periods * period}
 
