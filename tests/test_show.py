@@ -74,6 +74,17 @@ def test_off_the_grid_is_told_what_there_is(
     assert there in str(refused.value)
 
 
+def test_several_places_are_told_to_be_all_combinations(
+    stored: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, last = GRID["v"][0], GRID["v"][-1]
+    assert fiv(["show", str(stored), "--at", f"v={first},N=10", "--at", f"v={last},N=10"]) == 0
+    assert "combination" not in capsys.readouterr().err
+    assert fiv(["show", str(stored), "--at", f"v={first},N=10", "--at", f"v={last},N=5"]) == 0
+    told = capsys.readouterr().err
+    assert f"--at: every combination of v = {first}, {last} and N = 10, 5" in told
+
+
 def test_values_are_taken_at_some_points(stored: Path) -> None:
     every = api.observations(stored, "section_value")
     some = api.observations(stored, "section_value", v=[0.3, ". >= 0.95"], N="10 N")

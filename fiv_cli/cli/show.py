@@ -60,6 +60,11 @@ def command(
     from fiv_cli.reading.summary import lines, summarise
 
     analyses, at = read_analyses(file), parse_selection(places)
+    kinds = {name: dict.fromkeys(values) for name, values in at.items()}
+    several = [f"{name} = {', '.join(values)}" for name, values in kinds.items() if len(values) > 1]
+    if len(several) > 1 and len(places) > 1:
+        click.echo(f"--at: every combination of {' and '.join(several)}", err=True)
+        click.echo("next: of single points, a command for each", err=True)
     if changed := changed_since(next(iter(analyses.values())).attrs, file, drawn=False):
         click.echo(f"WARNING: {file} is shown as it was run; {changed}", err=True)
     if chosen is not None and [*analyses] != [""]:

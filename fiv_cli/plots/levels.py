@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from matplotlib.contour import QuadContourSet
     from matplotlib.typing import ColorType
 
-# Between levels written on lines, and at the ends of these, in lengths of the writing; the second
-# where a line has less and its level would be written nowhere.
-ROOM, LEAST_ROOM = 1.5, 0.7
+# Between levels written on lines, and at the ends of these, in lengths of the writing; where a line
+# has less, and its level would be written nowhere, at its ends and to others at least.
+ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 ALIKE = (
     0.4  # of the half of what is written: a line of another level that is so near is one with it
 )
@@ -142,12 +142,14 @@ def _name(ax: Axes, lines: QuadContourSet, level: float, others: Sequence[QuadCo
         apart = _distances(along, [along[0], along[-1]])
         apart[((along < low) | (along > high)).any(axis=1)] = 0.0
         hidden = (np.abs(along[:, None] - elsewhere) < ALIKE * box).all(axis=-1).any(axis=1)
-        apart[hidden | (_distances(along, taken) <= ROOM * length)] = 0.0
-        place, room = apart.argmax(), apart.max()
-        roomiest = max(roomiest, (room, [piece[place]]), key=itemgetter(0))
-        if room > ROOM * length:
-            chosen.append(piece[place])
-            taken.append(along[place])
+        apart[hidden] = 0.0
+        off = _distances(along, taken)
+        least = np.where(off > BESIDE * length, apart, 0.0)
+        roomiest = max(roomiest, (least.max(), [piece[least.argmax()]]), key=itemgetter(0))
+        apart[off <= ROOM * length] = 0.0
+        if apart.max() > ROOM * length:
+            chosen.append(piece[apart.argmax()])
+            taken.append(along[apart.argmax()])
     for text_ in ax.clabel(lines, fmt={level: text}, fontsize=size, manual=chosen or roomiest[1]):
         text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
 
