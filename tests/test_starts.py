@@ -14,6 +14,7 @@ import xarray as xr
 from fiv_cli import api
 from fiv_cli.case.case import Case
 from fiv_cli.case.identity import differences, document, fingerprint
+from fiv_cli.cli.main import run as fiv
 from fiv_cli.errors import CaseError
 from fiv_cli.sweep.plan import make_plan
 
@@ -310,3 +311,56 @@ def test_a_start_takes_the_opposite_of_a_parameter_too() -> None:
     start["state"]["x_dot"] = "-w"
     with pytest.raises(CaseError, match="there is no parameter 'w'"):
         api.load(case | {"analysis": [{"kind": "response"}]})
+
+
+def test_labels_of_several_words_serve_wherever_a_label_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = """\
+schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = [0.5, 1.0]
+[[initial]]
+label = "from rest"
+kind = "state"
+[[initial]]
+label = "any start"
+kind = "random"
+count = 3
+box = { x = [-1, 1] }
+[[initial]]
+label = "up again"
+kind = "continue"
+along = "v"
+from = "from rest"
+[[analysis]]
+kind = "response"
+[[figure]]
+kind = "curve"
+variable = "attractor"
+select = { initial = ["from rest", "up again"] }
+[[claim]]
+source = "here"
+text = "it vibrates"
+variable = "attractor"
+at = { initial = "from rest" }
+expect = "periodic"
+"""
+    Path("a.toml").write_text(text)
+    assert fiv(["run", "a.toml", "--workers", "1", "-q"]) == 0
+    assert fiv(["claims", "a.toml"]) == 0
+    assert fiv(["plot", "runs/a.nc"]) == 0
+    assert (
+        fiv(["run", "a.toml", "-q", "--set", 'initial."from rest".state.x=0.1', "-o", "b.nc"]) == 0
+    )
+    capsys.readouterr()
+    assert fiv(["show", "runs/a.nc", "--csv", "attractor", "--at", "initial=any start-001"]) == 0
+    assert capsys.readouterr().out.splitlines()[1] == "0.5,any start-001,periodic"
+    assert fiv(["history", "a.toml", "--at", "v=1"]) != 0
+    assert "--at 'initial=from rest' or --at 'initial=any start-000'" in capsys.readouterr().err
+    for wrong in ("from  rest", " rest", "a,b"):
+        Path("a.toml").write_text(text.replace("up again", wrong))
+        assert fiv(["check", "a.toml"]) == 3

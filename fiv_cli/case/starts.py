@@ -18,7 +18,7 @@ from fiv_cli.notation.units import convert
 
 AT_REST = StartSpec("rest", "state")
 
-_LABEL = re.compile(r"[A-Za-z0-9_.+-]+")
+_LABEL = re.compile(r"[A-Za-z0-9_.+-]+(?: [A-Za-z0-9_.+-]+)*")
 BEGINNINGS = ("equilibrium", "state", "continue")
 ONE_OF = 'states = [{ STATE = value, ... }, ...], or file = "starts.csv"'
 
@@ -130,9 +130,8 @@ def _check_labels(starts: Sequence[StartSpec], places: Sequence[Path], report: R
     seen: set[str] = set()
     for start, place in zip(starts, places, strict=True):
         if not _LABEL.fullmatch(start.label):
-            report.add(
-                (*place, "label"), f"{start.label!r} is no label", "letters, digits, _ . + -"
-            )
+            allowed = "letters, digits, _ . + -, single spaces between words"
+            report.add((*place, "label"), f"{start.label!r} is no label", allowed)
         if start.label in seen:
             report.add((*place, "label"), f"the label {start.label!r} is taken", "unique labels")
         seen.add(start.label)

@@ -253,7 +253,9 @@ class InitialTable(Table):
 
     elsewhere: ClassVar[Mapping[str, str]] = {"axis": "along", "over": "along"}
 
-    label: str | None = Field(default=None, description="unique name; default: the kind")
+    label: str | None = Field(
+        default=None, description="unique name, also in figures; default: the kind"
+    )
     kind: Literal["equilibrium", "state", "random", "table", "continue"] = Field(
         description="equilibrium + offset, a state, random states in a box, a table of states, or "
         "the neighbour's end"

@@ -10,6 +10,7 @@ from decimal import Decimal
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -173,7 +174,7 @@ def write_motion(
     settled = steady is not None and steady.settled
     attributes[MOTION] = ", ".join([*place, *["settled"] * settled])
     again = str(attributes["history"]).replace("fiv run", "fiv history", 1)
-    attributes["history"] = f"{again} --at {','.join(place)}{' --settled' * settled}"
+    attributes["history"] = f"{again} --at {quote(','.join(place))}{' --settled' * settled}"
     write_datasets(path, {"history": Dataset.of(dataset)}, attributes)
     return outcome
 
@@ -285,7 +286,7 @@ def _index_along(dim: Dim, at: Mapping[str, str]) -> int:
     if not fitting:
         raise UsageError(f"--at: no point fits along {names}\nnext: `fiv check` prints the axes")
     left = next((axis for axis in dim.axes if axis.name not in at), dim.axes[0])
-    values = (f"--at {left.name}={left.values[i]}" for i in fitting[:MOST_NAMED])
+    values = (f"--at {quote(f'{left.name}={left.values[i]}')}" for i in fitting[:MOST_NAMED])
     hint = " or ".join(dict.fromkeys(values))
     raise UsageError(f"--at: several points fit along {names}\nnext: {hint}")
 
