@@ -27,7 +27,7 @@ from fiv_cli.dynamics.settings import Section
 from fiv_cli.errors import CaseError, EmptyFigureError, InputError, StorageError, UsageError
 from fiv_cli.flags import COMPUTED, REASON, advice
 from fiv_cli.friction import get_law
-from fiv_cli.plots import default_figures, draw, draw_laws, figures_of, look_of, save
+from fiv_cli.plots import default_figures, draw, draw_laws, drawing, figures_of, look_of, save
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.bifurcation import FINEST
 from fiv_cli.plots.branch import stretches
@@ -3464,3 +3464,47 @@ def test_files_of_other_starts_are_not_called_by_a_setting_in_which_they_differ_
     assert words.told_apart(made) == ["drawn", "lattice"]
     of_one = [(name, one.assign_attrs(starts_json="{}")) for name, one in made]
     assert words.told_apart(of_one) == ["t_max = 1000.0", "t_max = 10000.0"]
+
+
+def test_a_dense_lattice_of_starts_has_no_seams_between_its_cells():
+    plane = np.stack(np.meshgrid(np.linspace(-3, 3, 100), np.linspace(-3, 3, 90)), axis=-1)
+    starts = plane.reshape(1, -1, 2)
+    found = data.basin(count=starts.shape[1], speeds=(1.0,))
+    found["initial_state"] = found["initial_state"].copy(data=starts)
+    inside = np.hypot(*starts[0].T) < 1.0
+    codes = found["attractor"].attrs["flag_values"]
+    names = found["attractor"].attrs["flag_meanings"].split()
+    told = [codes[names.index(name)] for name in ("equilibrium", "periodic")]
+    found["attractor"] = found["attractor"].copy(data=np.where(inside, *told)[None])
+    drawn = draw(found, figure("basin"))
+    sizes = [one.get_sizes()[0] for one in drawn.axes[0].collections if len(one.get_offsets())]
+    width = drawn.axes[0].bbox.width / drawn.dpi * 72.0
+    assert sizes and all(size**0.5 >= 0.95 * width / 100 for size in sizes)
+
+
+def test_a_mark_of_one_gap_alone_is_drawn():
+    classes = np.array(["periodic", "undecided", "periodic"], object)
+    found = data.response(classes, np.array([1.0, np.nan, 1.0]), {"v": [0.0, 1.0, 2.0]})
+    (ax,) = draw(found, figure("curve", variable="L_s")).axes
+    (gap,) = [
+        line for line in ax.lines if line.get_label() == "undecided" and len(line.get_xdata())
+    ]
+    assert gap.get_markevery() == [0] and gap.get_xdata().tolist() == [1.0]
+    rows = np.full(400, "undecided", object)
+    rows[:200] = "periodic"
+    many = data.response(rows, np.where(rows == "periodic", 1.0, np.nan), {"v": np.arange(400.0)})
+    (ax,) = draw(many, figure("curve", variable="L_s")).axes
+    (gap,) = [
+        line for line in ax.lines if line.get_label() == "undecided" and len(line.get_xdata())
+    ]
+    assert 40 < len(gap.get_markevery()) < 150
+
+
+def test_figures_that_select_another_motion_are_not_drawn_of_this_one():
+    asked = [
+        figure("history", select={"v": 2.0}),
+        figure("phase", select={"v": 9.01, "initial": ["near", "other"]}),
+        figure("phase", select={"initial": "other"}),
+    ]
+    one = data.history(labels=("near",)).expand_dims(v=[9.0]).assign_attrs(data.attributes(*asked))
+    assert drawing.possible_figures(one) == asked[1:2]

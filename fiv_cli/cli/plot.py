@@ -73,7 +73,8 @@ class Millimetres(click.ParamType):
     "labels",
     multiple=True,
     metavar="WORDS",
-    help="What to call a file among several: one for each, in their order.",
+    help="What to call a file among several: one for each, in their order. Where one is drawn over "
+    "the other, as a branch over its diagram, their lines have names of their own.",
 )
 @with_option
 @click.option(

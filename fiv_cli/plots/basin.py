@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
+OVER = 1.25  # a cell, so that no seam is seen
+DENSE = 4.0  # of the size of a mark: a cell of a lattice that is smaller is filled
 STAR = 8.0  # size of the mark of an equilibrium, pt
 NUMBER = re.compile(r"\d")  # no class has one in its name
 SAME = 1e-6  # of the greatest: places of rest that differ by less are one
@@ -157,6 +159,14 @@ def _scatter(
     """The starts of one panel, and where they rest; the legend says what is `told` of classes."""
     x, y = (part[STARTS].sel(state=name).values for name in names)
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
+    cell = _cell(ax, x, y)
+    if (
+        cell**2 < DENSE * size
+    ):  # of a dense lattice, or of no lattice: cells without seams, or marks
+        looks, size = (
+            {name: {**look, "marker": "s"} for name, look in looks.items()},
+            (OVER * cell) ** 2,
+        )
     for name, look in looks.items():
         mask, label = reached == name, _words(name)
         if not mask.any():
@@ -173,6 +183,15 @@ def _scatter(
     if rests.size:  # the starts beneath are seen through it
         ax.plot(*rests.T, "*", ms=STAR, mfc="none", mec=style.BLACK, mew=0.8, zorder=3.5,
                 label="where they rest")  # fmt: skip
+
+
+def _cell(ax: Axes, x: np.ndarray, y: np.ndarray) -> float:
+    """The longer side of a cell of a lattice of starts, pt; infinite where they are none."""
+    columns, rows = np.unique(x).size, np.unique(y).size
+    if columns * rows != x.size or min(columns, rows) < 2:
+        return np.inf
+    width, height = np.array(ax.bbox.size) / ax.figure.dpi * style.POINTS
+    return float(max(width / columns, height / rows))
 
 
 def _motions(part: xr.Dataset, single: bool) -> np.ndarray:

@@ -78,6 +78,12 @@ def suits(dataset: xr.Dataset) -> bool:
     return bool(_headlines(dataset)) and bool(points.varying_axes(dataset))
 
 
+def has_an_axis(dataset: xr.Dataset) -> bool:
+    """Whether a branch of cycles has an axis of parameters; over starts alone it tells nothing."""
+    along = [axis.name for axis in points.varying_axes(dataset)]
+    return along != ["initial"] or not branch.suits(dataset)
+
+
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """Lines of every layer; undecided points are hollow, or bars over all that they may be.
 

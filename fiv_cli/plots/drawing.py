@@ -20,6 +20,7 @@ from fiv_cli.plots import (
     eigenvalues,
     history,
     mode_shape,
+    motion,
     phase,
     points,
     spectrogram,
@@ -66,7 +67,7 @@ KINDS: dict[str, Kind] = {
     "map": Kind(map_.suits, map_.draw, unasked=map_.spans_plane),
     "basin": Kind(basin.suits, basin.draw),
     "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True, completed=True),
-    "curve": Kind(curve.suits, curve.draw, overlays=True),
+    "curve": Kind(curve.suits, curve.draw, overlays=True, unasked=curve.has_an_axis),
     "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
     "history": Kind(history.suits, history.draw),
     "phase": Kind(phase.suits, phase.draw, overlays=True),
@@ -75,6 +76,8 @@ KINDS: dict[str, Kind] = {
     "mode-shape": Kind(mode_shape.suits, mode_shape.draw),
     "branch": Kind(branch.suits, branch.draw, overlays=True),
 }
+
+ABOUT = 0.02  # relative: a value that is that near is the one that a figure selects
 
 # A default figure is left out where a figure before it says the same and more.
 SAID_BY = {
@@ -127,7 +130,30 @@ def can_draw(source: Source, figure: FigureSpec) -> bool:
     analyses = _analyses(source)
     named = str(figure.settings.get("analysis", ""))
     candidates = [analyses[named]] if named in analyses else list(analyses.values())
-    return any(_kind(figure.kind).suits(dataset) for dataset in candidates)
+    suiting = [dataset for dataset in candidates if _kind(figure.kind).suits(dataset)]
+    return any(_is_selected(dataset, figure) for dataset in suiting)
+
+
+def _is_selected(dataset: xr.Dataset, figure: FigureSpec) -> bool:
+    """Whether a motion in time is one of those that a figure selects; of a sweep some always is."""
+    if not motion.suits(dataset):
+        return True
+    axes = {name: select.axis_of(dataset, name) for name in select.axis_names(dataset)}
+    of_grid = {n: axis for n, axis in axes.items() if axis.dims[0] in points.grid_dims(dataset)}
+    wanted = {n.replace(".", "_"): one for n, one in figure.settings.get("select", {}).items()}
+    return all(_is_about(axis, wanted[name]) for name, axis in of_grid.items() if name in wanted)
+
+
+def _is_about(axis: xr.DataArray, wanted: Any) -> bool:
+    """Whether an axis has some of what is wanted, or about that: figures take the nearest point."""
+    if isinstance(wanted, list):
+        return any(_is_about(axis, one) for one in wanted)
+    if isinstance(wanted, int | float) and select.is_numeric(axis):
+        return bool(np.isclose(axis.values.astype(float), wanted, rtol=ABOUT, atol=0.0).any())
+    try:
+        return bool(select.matching(axis, wanted, nearest=False).any())
+    except select.SelectionError:
+        return False
 
 
 def possible_figures(source: Source) -> list[FigureSpec]:

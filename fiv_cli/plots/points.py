@@ -459,7 +459,7 @@ GAP_MARKS = {
 
 
 MOST_GAP_ROWS = 6
-APART = 0.015  # of the diagonal of a panel: marks in a row are no bar
+APART = 2.5  # pt: marks in a row are no bar
 LOWEST_GAP, GAP_ROW = 0.0, 0.03  # of the height of a panel: upon the axis, no mark is a value
 
 
@@ -488,7 +488,7 @@ def mark_gaps(
         ax.plot(
             x, np.full(x.shape, LOWEST_GAP + GAP_ROW * level), marker, color=colour, ms=5,
             ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
-            transform=ax.get_xaxis_transform(), zorder=5, markevery=APART,
+            transform=ax.get_xaxis_transform(), zorder=5, markevery=_apart(ax, x),
         )  # fmt: skip
     limited = "ylim" in settings and ax is axes[0]
     if rows and not limited and ax.get_yscale() == "linear":
@@ -513,6 +513,16 @@ def _gap_rows(
         row = name, "" if many else whose
         rows[row] = np.union1d(rows.get(row, []), x)
     return rows
+
+
+def _apart(ax: Axes, x: np.ndarray) -> list[int]:
+    """Which of some rising places are marked: the first, and each that is far from the last one."""
+    places = ax.transData.transform(np.column_stack([x, np.full(x.size, np.mean(ax.get_ylim()))]))
+    far, kept = APART * ax.figure.dpi / style.POINTS, [0]
+    for number, place in enumerate(places[:, 0]):
+        if place - places[kept[-1], 0] >= far:
+            kept.append(number)
+    return kept
 
 
 def _make_room_below(ax: Axes, share: float) -> None:
