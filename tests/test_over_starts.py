@@ -179,3 +179,18 @@ def test_shares_of_random_starts_are_told_cycle_by_cycle_where_there_are_several
     assert [row["share"][0] for row in rows] == [count / 100 for count in counts]
     assert [(row["Omega"], row["period"]) for row in rows] == [(1.0, 3.0), (1.0, 6.0)]
     assert "any, cycle by cycle" in shares.lines_of_cycles({"any": rows})[0]
+
+
+def test_shares_of_a_lattice_of_starts_are_told_at_each_point_without_an_error() -> None:
+    axes = {"v": [1.0, 2.0], "initial_x": [0.0, 1.0], "initial_x_dot": [0.0, 1.0, 2.0]}
+    classes = np.full((2, 2, 3, 1), "periodic", object)
+    classes[0, 0] = "equilibrium"
+    grid = data.axes(**axes, initial=["plane"])
+    found = data.response(classes, np.zeros(classes.shape), grid)
+    rows = shares.at_each_point(found)["plane"]
+    assert [row["v"] for row in rows] == [1.0, 2.0]
+    assert [(row["periodic"][0], row["periodic"][2]) for row in rows] == [(0.5, 6), (1.0, 6)]
+    assert np.isnan([row["periodic"][1] for row in rows]).all()
+    assert shares.lines_of_points({"plane": rows})[-1].split() == ["2", "0", "1"]
+    (line,) = shares.lines(shares.shares(found.isel(v=[1])))
+    assert line.split() == ["shares", "of", "plane", "periodic", "1"]

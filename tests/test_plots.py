@@ -602,6 +602,10 @@ def test_a_branch_beyond_the_grid_is_followed_to_what_happens_to_it_only():
     (ax,) = draw([("", response), ("branch", branch_along_the_speed())], figure("bifurcation")).axes
     low, high = ax.get_xlim()
     assert 1.0 < low < 1.5 and 5.0 < high < 5.5
+    from_zero = response.assign_coords(Omega=response["Omega"] - 1.5)
+    along = [("", from_zero), ("branch", branch_along_the_speed())]
+    (ax,) = draw(along, figure("bifurcation", log="x")).axes
+    assert 0.0 < ax.get_xlim()[0] < 0.1
 
 
 def test_cycles_of_the_grid_are_drawn_at_the_section_of_the_diagram():

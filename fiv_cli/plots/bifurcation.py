@@ -348,11 +348,13 @@ def _as_the_grid(
     if "xlim" in settings or not branches:
         return settings
     reached = np.concatenate([one[branch.ALONG].values for one in branches])
+    logarithmic = points.is_logarithmic(settings, "x")
     places = np.concatenate([axis.values, *map(branch.changes, branches)])
-    low, high = np.nanmin(places), np.nanmax(places)
-    if low <= np.nanmin(reached) and np.nanmax(reached) <= high:
+    places = places[places > 0.0] if logarithmic else places
+    low, high = np.nanmin(places, initial=np.inf), np.nanmax(places, initial=-np.inf)
+    if (low <= np.nanmin(reached) and np.nanmax(reached) <= high) or not high > low:
         return settings
-    if points.is_logarithmic(settings, "x"):
+    if logarithmic:
         margin = (high / low) ** BEYOND
         return {**settings, "xlim": (low / margin, high * margin)}
     margin = BEYOND * (high - low)

@@ -520,7 +520,7 @@ def _apart(ax: Axes, x: np.ndarray) -> list[int]:
     places = ax.transData.transform(np.column_stack([x, np.full(x.size, np.mean(ax.get_ylim()))]))
     far, kept = APART * ax.figure.dpi / style.POINTS, [0]
     for number, place in enumerate(places[:, 0]):
-        if place - places[kept[-1], 0] >= far:
+        if abs(place - places[kept[-1], 0]) >= far:
             kept.append(number)
     return kept
 

@@ -22,29 +22,36 @@ MOST_CYCLES = 8  # that are told one by one
 MOST_POINTS = 24  # at which shares are told one by one
 SURE = 0.05  # chance with which what all of a sample, or none, show is told wrongly
 Share = tuple[float, float, int]
-"""A share of n starts drawn at random, its standard error, sqrt(p (1 - p) / n), and n."""
+"""A share of n starts drawn at random, its standard error, sqrt(p (1 - p) / n), and n.
+
+Of the points of a lattice there is no such error: NaN.
+"""
 
 
 def shares(dataset: xr.Dataset) -> dict[str, Any]:
-    """Label of random starts -> class -> its ``least`` and ``greatest`` `Share` over the grid."""
+    """Label of random starts, or of a lattice of starts, -> class -> its `Share` over the grid.
+
+    That is the ``least`` and the ``greatest``.
+    """
     return {
-        label: {name: _ends(each) for name, each in _of_classes(reached).items()}
-        for label, reached in _families(dataset).items()
+        label: {name: _ends(each) for name, each in _of_classes(reached, label in drawn).items()}
+        for drawn in [_families(dataset)]
+        for label, reached in (drawn | _lattices(dataset)).items()
     }
 
 
 def at_each_point(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
-    """Label of random starts -> name -> value of the axes and, of each class, its `Share`.
+    """The same label -> name -> value of the axes and, of each class, its `Share`.
 
     Of a few points: there is a row for each.
     """
-    rows = {}
-    for label, reached in _families(dataset).items():
+    rows, drawn = {}, _families(dataset)
+    for label, reached in (drawn | _lattices(dataset)).items():
         points = reached.isel(initial=0, drop=True)
         if 1 < points.size <= MOST_POINTS:
             axes = {str(n): axis for n, axis in points.coords.items() if axis.size > 1}
             columns = {n: _spread(axis, points) for n, axis in axes.items()}
-            columns |= _of_classes(reached)
+            columns |= _of_classes(reached, label in drawn)
             rows[label] = [
                 dict(zip(columns, row, strict=True))
                 for row in zip(*columns.values(), strict=True)
@@ -103,6 +110,19 @@ def _families(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {label: reached.isel(initial=own) for label, own in members.items() if own.size}
 
 
+def _lattices(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Label of starts that are laid out along axes (``initial.x``) -> the same."""
+    reached = dataset.get("attractor")
+    axes = [] if reached is None else [d for d in reached.dims if str(d).startswith("initial_")]
+    if reached is None or not axes or "initial" not in reached.coords:
+        return {}
+    return {
+        str(label): reached.sel(initial=label, drop=True).stack(initial=axes, create_index=False)
+        for label in reached["initial"].values
+        if str(label).rpartition("-")[0] not in drawn_of(dataset)
+    }
+
+
 def with_standard_error(
     shares: xr.Dataset, taken_of: xr.Dataset, take: Mapping[str, Any], drawn: Container[str]
 ) -> xr.Dataset:
@@ -137,7 +157,7 @@ def is_sample(dataset: xr.Dataset, drawn: Container[str]) -> bool:
     return all(str(label).rpartition("-")[0] in drawn for label in dataset["initial"].values)
 
 
-def _of_classes(reached: xr.DataArray) -> dict[str, list[Share]]:
+def _of_classes(reached: xr.DataArray, is_drawn: bool) -> dict[str, list[Share]]:
     """Class that occurs -> its share at each point of the grid."""
     count = (~is_class(reached, (NOT_COMPUTED,))).sum("initial")
     found = {}
@@ -145,7 +165,8 @@ def _of_classes(reached: xr.DataArray) -> dict[str, list[Share]]:
         share = ((reached == code).sum("initial") / count.where(count > 0)).values.ravel()
         if name != NOT_COMPUTED and np.nanmax(share, initial=0.0) > 0.0:
             sizes = count.values.ravel()
-            columns = (share, standard_error(share, sizes), sizes)
+            errors = standard_error(share, sizes) if is_drawn else share * np.nan
+            columns = (share, errors, sizes)
             found[name] = [*zip(*(column.tolist() for column in columns), strict=True)]
     return found
 
@@ -197,12 +218,14 @@ def _cell(value: Any) -> str:
 
 
 def _span(least: Share, greatest: Share) -> str:
-    return " to ".join(map(_shown, dict.fromkeys((least, greatest))))
+    return " to ".join(dict.fromkeys(map(_shown, (least, greatest))))
 
 
 def _shown(share: Share) -> str:
     """``0.6215 ± 0.0034``; of a sample that is all alike, how far that may be off."""
     found, error, size = share
+    if np.isnan(error):
+        return f"{found:.5g}"
     if error > 0.0:
         return with_error(found, error)
     missed = 1.0 - SURE ** (1.0 / size)
