@@ -410,7 +410,7 @@ ADVICE_OF = {
     "bracket (scan_class says which class holds): widen the bracket, look at more points (scan), "
     "or ask for another class (of)",
     ("time_budget", "response"): "the motion had not settled by half of t_max, from where on it is "
-    "measured: raise t_max",
+    "measured: raise t_max; another section decides some",
     **{
         ("too_many_events", kind): "raise solver.max_events, or lower t_end if the motion chatters"
         for kind in ("history", "spectrogram")

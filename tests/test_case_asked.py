@@ -215,9 +215,9 @@ def test_what_will_be_there(text: str) -> None:
             )
         ),
         (
-            figure('kind = "curve"', 'select = { attractor = "periodic" }'),
+            figure('kind = "bifurcation"', 'select = { attractor = "periodic" }'),
             "figure.0.select.attractor",
-            "is a result, and no axis to a class a claim narrows itself",
+            "is a result, and no axis to a class a curve narrows itself",
         ),
         (plane("level = 0.5"), "figure.0.level", "'attractor' holds classes"),
         (
@@ -252,10 +252,18 @@ def test_what_will_not_be_there(text: str, path: str, words: str) -> None:
     assert words in f"{found.message} {found.suggestion}"
 
 
-def test_a_figure_may_select_along_the_own_axes_of_its_variable() -> None:
-    along = figure('kind = "curve"', 'variable = "boundary"', "select = { L_s = 1 }")
+def test_a_curve_is_not_narrowed_to_a_number() -> None:
+    along = figure('kind = "curve"', 'variable = "boundary"', "select = { boundary_width = 1 }")
     found = problem(along.replace('[[analysis]]\nkind = "response"\n', BOUNDARY))
-    assert found.allowed == "v, initial, crossing"
+    assert "status" in found.allowed and "is a number" in found.message
+
+
+def test_a_curve_is_narrowed_to_a_class_that_stands_beside_its_values() -> None:
+    curve = figure('kind = "curve"', 'variable = "boundary"', "select = { CLASS }")
+    curve = curve.replace('[[analysis]]\nkind = "response"\n', BOUNDARY)
+    make_plan(parse_case(curve.replace("CLASS", 'class_below = "periodic"'), "a.toml"))
+    found = problem(curve.replace("CLASS", 'class_below = "periodc"'))
+    assert "has no class 'periodc'" in found.message
 
 
 def test_another_case_is_asked_for_one_number_at_each_point(
@@ -341,4 +349,6 @@ def test_a_result_of_another_analysis_narrows_nothing_and_is_told_so() -> None:
     text = claim("growth_rate", "{ less_than = 0.0 }", 'at = { attractor = "equilibrium" }')
     with pytest.raises(CaseError, match="'eigenvalues' has no axis 'attractor'") as caught:
         parse_case(text, "a.toml")
-    assert "a result narrows what is claimed of its own analysis alone" in str(caught.value)
+    assert "a result narrows what is drawn, or claimed, of its own analysis alone" in str(
+        caught.value
+    )

@@ -3512,3 +3512,14 @@ def test_figures_that_select_another_motion_are_not_drawn_of_this_one():
     ]
     one = data.history(labels=("near",)).expand_dims(v=[9.0]).assign_attrs(data.attributes(*asked))
     assert drawing.possible_figures(one) == asked[1:2]
+
+
+def test_a_curve_is_narrowed_to_a_class():
+    classes = np.array(["periodic", "chaotic", "periodic", "equilibrium"], object)
+    found = data.response(classes, np.arange(1.0, 5.0), {"v": np.arange(4.0)})
+    chosen = figure("curve", variable="L_s", select={"attractor": ["periodic", "chaotic"]})
+    (ax,) = draw(found, chosen).axes
+    assert np.nanmax(np.concatenate([line.get_ydata() for line in ax.lines])) == 3.0
+    wrong = figure("curve", variable="L_s", select={"attractor": "periodc"})
+    with pytest.raises(UsageError, match="attractor = periodc: no such class"):
+        draw(found, wrong)

@@ -99,7 +99,9 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     of_lines = _check_levels(figure, case, held, names, (*place, "level"), report)
     if places is not None and figure.kind not in OF_MOTIONS:
         selected = figure.settings.get("select", {})
-        own = {axis: selected[axis] for axis in selected if axis not in of_lines}
+        beside = [one for one in held[places.name] or () if one.name not in places.own]
+        results = _check_classes(figure, known.get(drawn), beside, (*place, "select"), report)
+        own = {n: one for n, one in selected.items() if n not in {*of_lines, *results}}
         places.check(own, (*place, "select"), report)
     if len(sound) == len(names) > 1 and analysis is None:
         _check_of_one_analysis(names, held, (*place, key), report)
@@ -322,6 +324,29 @@ def _check_narrowed(
             report.add(at, message, f"of axes: {listed(axes)}")
         elif not fits:
             report.add(at, f"{one.name!r} does not stand beside each value of {said.variable!r}")
+        else:
+            for name in wanted if isinstance(wanted, list) else [wanted]:
+                _check_class(one.name, classes, str(name), at, report)
+    return [one.name for one in results]
+
+
+def _check_classes(
+    figure: FigureSpec,
+    drawn: Variable | None,
+    beside: Sequence[Variable],
+    place: Path,
+    report: Report,
+) -> Sequence[str]:
+    """The results to whose classes a curve narrows; notes where these are not beside each value."""
+    selected = figure.settings.get("select", {}) if figure.kind == "curve" else {}
+    results = [one for one in beside if one.name in selected]
+    for one in results:
+        at, classes, wanted = (*place, one.name), _classes(one), selected[one.name]
+        if not classes:
+            message = f"{one.name!r} is a number, and no axis: a curve is narrowed to classes"
+            report.add(at, message, listed([v.name for v in beside if _classes(v)]))
+        elif one.ragged or (drawn is not None and not {*one.dims} <= {*drawn.dims}):
+            report.add(at, f"{one.name!r} does not stand beside each value that is drawn")
         else:
             for name in wanted if isinstance(wanted, list) else [wanted]:
                 _check_class(one.name, classes, str(name), at, report)

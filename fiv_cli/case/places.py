@@ -54,7 +54,7 @@ class Places:
         for name, wanted in selection.items():
             if name not in (*self.grid, *self.own):
                 message = f"the analysis {self.name!r} has no axis {name!r}"
-                hint = "a result narrows what is claimed of its own analysis alone"
+                hint = "a result narrows what is drawn, or claimed, of its own analysis alone"
                 axes = listed([*self.grid, *self.own])
                 report.add((*place, name), message, axes, hint * (name in every_variable()))
             elif name == self.contact.name:

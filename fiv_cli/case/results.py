@@ -145,7 +145,10 @@ def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report
             changed[key] = ascii_name(value)
     if table.select:
         of = [table.variable] if isinstance(table.variable, str) else table.variable or []
-        changed["select"] = _selection(table.select, answers, (*place, "select"), report, of)
+        narrows = table.kind == "curve"
+        changed["select"] = _selection(
+            table.select, answers, (*place, "select"), report, of, narrows=narrows
+        )
     if axes := _axes_as_levels(table):
         changed["level"] = {**table.level, **axes}  # type: ignore[dict-item]
     if table.take is not None:
@@ -237,8 +240,8 @@ def _is_result(name: str, physics: Physics) -> bool:
 
 
 NARROWS = (
-    'to a class a claim narrows itself, at = { attractor = "periodic" }; figures and claims '
-    'count what has it, take = { what = "share", of = "periodic", over = AXIS }'
+    'to a class a curve narrows itself, and a claim, at = { attractor = "periodic" }; figures and '
+    'claims count what has it, take = { what = "share", of = "periodic", over = AXIS }'
 )
 _SELECTS = (
     'a number, a quantity ("20 rpm"), a condition on the value ".", such as ". >= 7", '

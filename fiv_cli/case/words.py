@@ -25,7 +25,7 @@ _MEANT = {
     "eigenvalue eigenfrequency eigenfrequencies stability modes jacobian linear": "eigenvalues",
     "damping growthrate dampingratio": "eigenvalues",
     "stabilitymap stabilitychart stabilitydiagram phasediagram": "map eigenvalues response",
-    "contour contours heatmap isoline isolines": "map",
+    "contour contours heatmap isoline isolines classmap parametermap": "map",
     "fixedpoint fixedpoints equilibria": "equilibrium",
     "axis axes parameterstudy scan range": "grid",
     "adaptive adaptivegrid bisection": "refine boundary",
@@ -33,7 +33,7 @@ _MEANT = {
     "excitation external": "forcing harmonic",
     "rampup rampdown": "ramp",
     "law laws measured": "friction characteristic",
-    "expect test assertion": "claim",
+    "expect test assertion lessthan greaterthan between increasing decreasing": "claim",
     "tolerance rtol integrator": "solver",
 }
 

@@ -31,7 +31,13 @@ from fiv_cli.plots import map as map_
 from fiv_cli.plots.labels import title_of, value_label
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
-from fiv_cli.reading.datasets import analysis_of, figures_in, read_analyses
+from fiv_cli.reading.datasets import (
+    analysis_of,
+    figures_in,
+    flag_names,
+    is_class,
+    read_analyses,
+)
 from fiv_cli.reading.lent import lent
 
 if TYPE_CHECKING:
@@ -308,8 +314,25 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     beside = tuple(_selected(d, selection) for d in others)
     narrowed = select.subset if kind.suits(dataset) else _selected
     of_lines = _axes_of_lines(figure, beside) - {*select.axis_names(dataset)}
-    own = {axis: selection[axis] for axis in selection if axis not in of_lines}
-    return Layer(label, _telling(narrowed(dataset, own), dataset, figure), beside)
+    results = {name: selection[name] for name in selection if name in dataset.data_vars}
+    own = {axis: selection[axis] for axis in selection if axis not in {*of_lines, *results}}
+    part = _of_classes(narrowed(dataset, own), results)
+    return Layer(label, _telling(part, dataset, figure), beside)
+
+
+def _of_classes(part: xr.Dataset, results: Mapping[str, Any]) -> xr.Dataset:
+    """The part with the numbers alone that stand where results have the classes that are wanted."""
+    for name, wanted in results.items():
+        classes, known = _listed(wanted), [*flag_names(part[name].attrs).values()]
+        for one in classes:
+            if one not in known:
+                told = f"{name} = {one}: no such class\nthere are: {', '.join(known)}"
+                raise select.SelectionError(told)
+        mask = is_class(part[name], tuple(classes))
+        held = [v for v in part.data_vars if {*mask.dims} <= {*part[v].dims}]
+        numbers = [v for v in held if part[v].dtype.kind == "f"]
+        part = part.assign({v: part[v].where(mask).assign_attrs(part[v].attrs) for v in numbers})
+    return part
 
 
 def _telling(part: xr.Dataset, whole: xr.Dataset, figure: FigureSpec) -> xr.Dataset:
