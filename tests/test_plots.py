@@ -3523,3 +3523,13 @@ def test_a_curve_is_narrowed_to_a_class():
     wrong = figure("curve", variable="L_s", select={"attractor": "periodc"})
     with pytest.raises(UsageError, match="attractor = periodc: no such class"):
         draw(found, wrong)
+
+
+def test_levels_are_written_with_exponents_where_one_of_them_is():
+    assert words.number_text(1e-4, [1e-5, 1e-4]) == "$10^{-4}$"
+    assert words.number_text(2.5e-4, [1e-5]) == r"$2.5 \times 10^{-4}$"
+    assert [words.number_text(one, [1e-4, 0.0]) for one in (1e-4, 0.0)] == ["0.0001", "0"]
+    dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
+    drawn = draw(dataset, figure("map", variable="L_s", level=[5e-5, 1e-3]))
+    assert r"$L_s$ = $5 \times 10^{-5}$ rad$^{2}$" in legend_texts(drawn)
+    assert r"$L_s$ = $10^{-3}$ rad$^{2}$" in legend_texts(drawn)

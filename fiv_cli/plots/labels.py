@@ -147,9 +147,15 @@ def _power(base: str, power: int) -> str:
     return base if power == 1 else f"{base}$^{{{power}}}$"
 
 
-def number_text(value: float) -> str:
-    r"""A number as people write it: ``−0.5``, ``30``, ``$10^{7}$``, ``$2.5 \times 10^{-4}$``."""
+def number_text(value: float, beside: Sequence[float] = ()) -> str:
+    r"""A number as people write it: ``−0.5``, ``30``, ``$10^{7}$``, ``$2.5 \times 10^{-4}$``.
+
+    With an exponent too where numbers `beside` it have one.
+    """
     mantissa, _, exponent = f"{value:.6g}".partition("e")
+    if not exponent and value and any("e" in f"{one:.6g}" for one in beside):
+        mantissa, _, exponent = f"{value:.5e}".partition("e")
+        mantissa = mantissa.rstrip("0").rstrip(".")
     if not exponent:
         return mantissa.replace("-", "\N{MINUS SIGN}")
     times = mantissa.removesuffix("1") if mantissa.strip("-") == "1" else rf"{mantissa} \times "

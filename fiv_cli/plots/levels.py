@@ -114,18 +114,24 @@ def draw(
                     linewidths=1.5,
                 )  # fmt: skip
                 lines.set_path_effects(RIM if rim else [])
-                lines.set_label(points.unlisted(label, _words(array, level)))
+                lines.set_label(points.unlisted(label, _words(array, level, levels)))
                 drawn.append((lines, level))
     for lines, level in drawn if named else ():
-        _name(ax, lines, level, [one for one, of in drawn if of != level])
+        _name(ax, lines, level, [one for one, of in drawn if of != level], levels)
 
 
-def _name(ax: Axes, lines: QuadContourSet, level: float, others: Sequence[QuadContourSet]) -> None:
+def _name(
+    ax: Axes,
+    lines: QuadContourSet,
+    level: float,
+    others: Sequence[QuadContourSet],
+    levels: Sequence[float],
+) -> None:
     """Write the level on each piece of its lines that has room beside what is written already.
 
     There it reaches over no side of the panel, and its line runs apart from those of other levels.
     """
-    size, text = mpl.rcParams["legend.fontsize"], labels.number_text(level)
+    size, text = mpl.rcParams["legend.fontsize"], labels.number_text(level, levels)
     height = size * ax.figure.dpi / style.POINTS
     box = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
     length = 2.0 * (box[0] - PAD * height)
@@ -190,7 +196,7 @@ def missed(
     for level in levels:
         sides = {_beside(plane, level) for ends in planes for plane in ends}
         if "" not in sides:
-            yield f"no line {_words(array, level)}: {' or '.join(sorted(sides))} everywhere"
+            yield f"no line {_words(array, level, levels)}: {' or '.join(sorted(sides))} everywhere"
 
 
 def overlay(
@@ -218,7 +224,9 @@ def overlay(
     ax.set(xlim=_range(places[0]), ylim=_range(places[1]))
     if told:
         style.legend_below(
-            ax.figure.figure, told, f"{_words(array, levels[0])}{_both(every)}" if single else ""
+            ax.figure.figure,
+            told,
+            f"{_words(array, levels[0], levels)}{_both(every)}" if single else "",
         )
     else:
         style.legend_below(ax.figure.figure, keys(array, levels, colours[0], every))
@@ -233,7 +241,7 @@ def keys(
 ) -> list[Line2D]:
     """An entry of a legend for each level that is drawn in some planes (values of each end)."""
     drawn = [
-        (f"{_words(array, level)}{_both(planes)}", dash)
+        (f"{_words(array, level, levels)}{_both(planes)}", dash)
         for level, dash in zip(levels, styles, strict=False)
         if any(not _beside(plane, level) for ends in planes for plane in ends)
     ]
@@ -252,11 +260,10 @@ def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> s
     return points.joined(label, side and f"{side} everywhere" if side != NOT_KNOWN else side)
 
 
-def _words(array: xr.DataArray, level: float) -> str:
+def _words(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:
     unit = labels.unit_text(str(array.attrs.get("units", "1")))
-    return (
-        f"{labels.quantity(array, str(array.name))} = {labels.number_text(level)} {unit}".rstrip()
-    )
+    own, value = labels.quantity(array, str(array.name)), labels.number_text(level, levels)
+    return f"{own} = {value} {unit}".rstrip()
 
 
 def _range(places: np.ndarray) -> tuple[float, float]:
