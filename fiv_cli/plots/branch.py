@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import matplotlib as mpl
 import numpy as np
 
 from fiv_cli.errors import UsageError
@@ -45,6 +46,7 @@ MARKS = {
 HOLLOW: dict[str, Any] = {"mfc": "none", "mew": 0.6, "ms": 4.5, "ls": "none"}
 TOLD = {"equilibrium": "ends at an equilibrium", "bracket": "goes on beyond the bracket"}
 LARGER = {"*": 1.7}  # of other marks: a star of their size is a dot
+MOST_BENEATH = 2  # lines that are seen beneath another
 SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
 LEFTWARDS = "<"
 UNSEEN = 1e-4  # share of a branch, along and across, below which a piece of it is no line
@@ -92,12 +94,17 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 def _branch(
     ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry
 ) -> set[str]:
-    """One branch: both extremes, in pieces of one stability, and its marks; their stabilities."""
+    """One branch: both extremes, in pieces of one stability, and its marks; their stabilities.
+
+    That of an earlier start is wider: starts may lead to one and the same.
+    """
     pieces = [*stretches(dataset, index)]
+    after = dataset.sizes.get("initial", 1) - 1 - index.get("initial", 0)
+    wide = mpl.rcParams["lines.linewidth"] * (1 + min(after, MOST_BENEATH))
     for word, value, extremes, _ in pieces:
         for height in extremes:
             dash, told = DASHES.get(word, "-"), points.unlisted(entry.label, word)
-            ax.plot(value, height, dash, color=entry.colour, label=told)
+            ax.plot(value, height, dash, color=entry.colour, lw=wide, label=told)
     draw_marks(ax, dataset, index, entry.colour, entry.label)
     ax.plot([], [], color=entry.colour, label=entry.label, **style.COLOUR_ALONE)
     return {piece.stability for piece in pieces}
