@@ -735,7 +735,7 @@ class TestClaims:
         (claim,) = parse(belt(*lines, "expect = { less_than = 3 }")).claims
         assert claim.at == {"time": 30.0}
 
-    def test_a_figure_selects_no_results(self) -> None:
+    def test_a_curve_alone_selects_classes(self) -> None:
         figure = [
             "[[figure]]",
             'kind = "curve"',
@@ -743,7 +743,9 @@ class TestClaims:
             'select.attractor = "periodic"',
         ]
         text = belt(*figure).replace('"history"\nt_end = 30', '"response"')
-        assert "is a result, and no axis" in only_problem(text).message
+        assert parse(text).figures
+        other = text.replace('"curve"\nvariable = "L_s"', '"bifurcation"')
+        assert "is a result, and no axis" in only_problem(other).message
 
     @pytest.mark.parametrize("holds", ['"any"', "0.9", "1"])
     def test_good_share(self, holds: str) -> None:
