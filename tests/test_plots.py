@@ -3506,8 +3506,8 @@ def test_a_mark_of_one_gap_alone_is_drawn():
 
 def test_figures_that_select_another_motion_are_not_drawn_of_this_one():
     asked = [
-        figure("history", select={"v": 2.0}),
-        figure("phase", select={"v": 9.01, "initial": ["near", "other"]}),
+        figure("history", select={"v": 9.01}),
+        figure("phase", select={"v": 9.0, "initial": ["near", "other"]}),
         figure("phase", select={"initial": "other"}),
     ]
     one = data.history(labels=("near",)).expand_dims(v=[9.0]).assign_attrs(data.attributes(*asked))

@@ -31,13 +31,7 @@ from fiv_cli.plots import map as map_
 from fiv_cli.plots.labels import title_of, value_label
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
-from fiv_cli.reading.datasets import (
-    analysis_of,
-    figures_in,
-    flag_names,
-    is_class,
-    read_analyses,
-)
+from fiv_cli.reading.datasets import analysis_of, figures_in, read_analyses
 from fiv_cli.reading.lent import lent
 
 if TYPE_CHECKING:
@@ -82,8 +76,6 @@ KINDS: dict[str, Kind] = {
     "mode-shape": Kind(mode_shape.suits, mode_shape.draw),
     "branch": Kind(branch.suits, branch.draw, overlays=True),
 }
-
-ABOUT = 0.02  # relative: a value that is that near is the one that a figure selects
 
 # A default figure is left out where a figure before it says the same and more.
 SAID_BY = {
@@ -147,15 +139,13 @@ def _is_selected(dataset: xr.Dataset, figure: FigureSpec) -> bool:
     axes = {name: select.axis_of(dataset, name) for name in select.axis_names(dataset)}
     of_grid = {n: axis for n, axis in axes.items() if axis.dims[0] in points.grid_dims(dataset)}
     wanted = {n.replace(".", "_"): one for n, one in figure.settings.get("select", {}).items()}
-    return all(_is_about(axis, wanted[name]) for name, axis in of_grid.items() if name in wanted)
+    return all(_has_some(axis, wanted[name]) for name, axis in of_grid.items() if name in wanted)
 
 
-def _is_about(axis: xr.DataArray, wanted: Any) -> bool:
-    """Whether an axis has some of what is wanted, or about that: figures take the nearest point."""
+def _has_some(axis: xr.DataArray, wanted: Any) -> bool:
+    """Whether an axis has some of what is wanted."""
     if isinstance(wanted, list):
-        return any(_is_about(axis, one) for one in wanted)
-    if isinstance(wanted, int | float) and select.is_numeric(axis):
-        return bool(np.isclose(axis.values.astype(float), wanted, rtol=ABOUT, atol=0.0).any())
+        return any(_has_some(axis, one) for one in wanted)
     try:
         return bool(select.matching(axis, wanted, nearest=False).any())
     except select.SelectionError:
@@ -323,12 +313,7 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
 def _of_classes(part: xr.Dataset, results: Mapping[str, Any]) -> xr.Dataset:
     """The part with the numbers alone that stand where results have the classes that are wanted."""
     for name, wanted in results.items():
-        classes, known = _listed(wanted), [*flag_names(part[name].attrs).values()]
-        for one in classes:
-            if one not in known:
-                told = f"{name} = {one}: no such class\nthere are: {', '.join(known)}"
-                raise select.SelectionError(told)
-        mask = is_class(part[name], tuple(classes))
+        mask = select.having(part[name], wanted)
         held = [v for v in part.data_vars if {*mask.dims} <= {*part[v].dims}]
         numbers = [v for v in held if part[v].dtype.kind == "f"]
         part = part.assign({v: part[v].where(mask).assign_attrs(part[v].attrs) for v in numbers})

@@ -81,7 +81,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _paint_classes(figure, axes, planes, keys)
     else:
         shades = [points.in_si(end) for end in settings.get("zlim", ())]
-        logarithmic = "z" in str(settings.get("log"))
+        logarithmic = points.is_logarithmic(settings, "z")
         _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
         for one, colour in zip(lines, colours, strict=True):

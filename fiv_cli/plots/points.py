@@ -210,9 +210,9 @@ def scale(ax: Axes, settings: Settings) -> None:
 
 
 def is_logarithmic(settings: Settings, which: str) -> bool:
-    """Whether the figure asks for a logarithmic axis "x" or "y"."""
+    """Whether the figure asks for logarithms on "x" or "y", or of the shades, "z"."""
     log = settings.get("log", "")
-    return log is True or which in str(log)
+    return which in ("xy" if log is True else str(log))
 
 
 def _scale_to_view(ax: Axes) -> None:

@@ -262,13 +262,12 @@ def _frame(
     ax: Axes, spectra: Sequence[tuple[np.ndarray, np.ndarray]], settings: points.Settings
 ) -> None:
     """As the figure asks; else as far as there are amplitudes, a logarithmic axis down to these."""
-    log = settings.get("log", "")
-    decades = LOG_DECADES if log is True or "y" in str(log) else DECADES
+    decades = LOG_DECADES if points.is_logarithmic(settings, "y") else DECADES
     known = [(x[height > 0.0], height[height > 0.0]) for x, height in spectra]
     top = max((height.max(initial=0.0) for _, height in known), default=0.0)
     foot = top * 10.0**-decades
     highest = max((x[height > foot].max(initial=0.0) for x, height in known), default=0.0)
-    if not (log is True or "x" in str(log)) and highest > 0.0:
+    if not points.is_logarithmic(settings, "x") and highest > 0.0:
         ax.set_xlim(0.0, MARGIN * highest)
     points.scale(ax, settings)
     if decades == LOG_DECADES and "ylim" not in settings and top > 0.0:

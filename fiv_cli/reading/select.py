@@ -20,7 +20,9 @@ import xarray as xr
 
 from fiv_cli.case.grammar import SAME, parse_condition
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.units import convert
+from fiv_cli.reading.datasets import flag_names, is_class
 
 _COMPARE: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "<": operator.lt,
@@ -155,6 +157,17 @@ def _what_exists(axis: xr.DataArray, wanted: Any) -> str:
     if condition(str(wanted)):
         return span
     return f"{span}; the nearest is {axis.values[_matching_number(axis, wanted, True)][0]:.12g}"
+
+
+def having(classes: xr.DataArray, wanted: str | Sequence[str]) -> xr.DataArray:
+    """Where a result has one of the classes that are wanted."""
+    names = [wanted] if isinstance(wanted, str) else wanted
+    known = [name for name in flag_names(classes.attrs).values() if name != NOT_COMPUTED]
+    for name in names:
+        if name not in known:
+            told = f"{classes.name} = {name}: no such class\nthere are: {', '.join(known)}"
+            raise SelectionError(told)
+    return is_class(classes, tuple(names))
 
 
 def subset(

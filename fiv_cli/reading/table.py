@@ -14,7 +14,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import pick, suggest
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import class_names, error_of, flag_names, is_class, standard_error_of
+from fiv_cli.reading.datasets import class_names, error_of, flag_names, standard_error_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -161,7 +161,7 @@ def _rows(
     ragged = {n: rows for n in told if (rows := select.row_sizes(dataset, n)) is not None}
     results = {n: at[n] for n in at if n in dataset.data_vars and flag_names(dataset[n].attrs)}
     at = {name: wanted for name, wanted in at.items() if name not in results}
-    chosen = [_having(dataset[name], wanted) for name, wanted in results.items()]
+    chosen = [select.having(dataset[name], wanted) for name, wanted in results.items()]
     in_words = dataset.assign({name: _in_words(dataset[name]) for name in told})
     points = [name for name in told if name not in ragged]
     for mask in chosen:
@@ -181,17 +181,6 @@ def _rows(
     for has in masks:
         held = [values[values[has].values.astype(bool)] for values in held]
     return held, [without[name] for name in points]
-
-
-def _having(classes: xr.DataArray, wanted: str | Sequence[str]) -> xr.DataArray:
-    """Where a result has one of the classes that are wanted."""
-    names = [wanted] if isinstance(wanted, str) else wanted
-    known = [name for name in flag_names(classes.attrs).values() if name != NOT_COMPUTED]
-    for name in names:
-        if name not in known:
-            told = f"{classes.name} = {name}: no such class\nthere are: {', '.join(known)}"
-            raise select.SelectionError(told)
-    return is_class(classes, tuple(names))
 
 
 def _in_rows_of_their_own(
