@@ -90,7 +90,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         parts = [_of_the_same(one, layer.dataset) for one in others]
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
-        _draw_cycles(ax, own, axis, layer, name, settings)
+        _draw_cycles(ax, own, axis, layer, name)
     for layer, lines, found_at in zip(shown, equilibria, changes, strict=True):
         _draw_equilibria(ax, layer, lines, found_at, axis)
     words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
@@ -434,7 +434,6 @@ def _draw_cycles(
     axis: xr.DataArray,
     layer: points.Layer,
     name: str,
-    settings: points.Settings,
 ) -> None:
     """Every cycle along `axis`, in the colour of its diagram: what it passes at the section.
 
@@ -458,7 +457,7 @@ def _draw_cycles(
                 ax.plot(x, height, color=colour, label=points.unlisted(place, told), **look)
         tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
         if at_section and tells:
-            _mark_changes(ax, dataset, axis, layer, colours, settings)
+            _mark_changes(ax, dataset, axis, layer, colours)
 
 
 def _mark_changes(
@@ -467,15 +466,11 @@ def _mark_changes(
     axis: xr.DataArray,
     layer: points.Layer,
     colours: Mapping[str, ColorType],
-    settings: points.Settings,
 ) -> None:
     """A mark at each change and end of branches, in the colour of their diagram."""
-    low, high = sorted(map(points.in_si, settings.get("xlim", (-np.inf, np.inf))))
     for line in points.lines(dataset, [], points.grid_dims(dataset)):
         place, colour = _whose(layer, dataset.isel(line.index), axis, colours)
-        branch.draw_marks(
-            ax, dataset, line.index, colour, place, CHANGE, at_section=True, within=(low, high)
-        )
+        branch.draw_marks(ax, dataset, line.index, colour, place, CHANGE, at_section=True)
     branch.name_marks(ax, [dataset], CHANGE)
 
 

@@ -119,7 +119,6 @@ def draw_marks(
     look: Mapping[str, Any] = HOLLOW,
     *,
     at_section: bool = False,
-    within: tuple[float, float] = (-np.inf, np.inf),
 ) -> None:
     """A mark at each change and end of a branch, at the heights of the nearest of its cycles.
 
@@ -127,8 +126,6 @@ def draw_marks(
     """
     value, heights = _heights(dataset, index, at_section)
     for place, at, error, kind in _marks(dataset, index, value):
-        if not within[0] <= at <= within[1]:
-            continue
         mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, _words(kind))
         mark = LEFTWARDS if kind == "bracket" and at < value.mean() else mark
         wide = LARGER.get(mark, 1.0) * look["ms"]
@@ -361,9 +358,7 @@ def _name_lines(ax: Axes, stabilities: set[str]) -> None:
 
 def name_marks(ax: Axes, datasets: Sequence[xr.Dataset], look: Mapping[str, Any] = HOLLOW) -> None:
     """Legend entries of the marks of changes and ends that are there, each as it is drawn."""
-    told = tuple(str(line.get_label()) for line in ax.lines)
-    found = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
-    kinds = {kind for kind in found if any(one.endswith(_words(kind)) for one in told)}
+    kinds = {str(word) for d in datasets for word in class_names(d["cycle_end_kind"])}
     marks = MARKS | dict.fromkeys(sorted(kinds - {*MARKS, *UNMARKED}), UNMET)
     onwards = [line for line in ax.lines if str(line.get_label()).endswith(_words("bracket"))]
     if {line.get_marker() for line in onwards} == {LEFTWARDS}:
