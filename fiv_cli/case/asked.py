@@ -100,7 +100,9 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     if places is not None and figure.kind not in OF_MOTIONS:
         selected = figure.settings.get("select", {})
         beside = [one for one in held[places.name] or () if one.name not in places.own]
-        results = _check_classes(figure, known.get(drawn), beside, (*place, "select"), report)
+        of_classes = selected if figure.kind == "curve" else {}
+        asked = "curve", of_classes, known.get(drawn), beside, (*place, "select")
+        results = _check_classes(*asked, report)
         own = {n: one for n, one in selected.items() if n not in {*of_lines, *results}}
         places.check(own, (*place, "select"), report)
     if len(sound) == len(names) > 1 and analysis is None:
@@ -311,44 +313,45 @@ def _check_narrowed(
     report: Report,
 ) -> Sequence[str]:
     """The results to whose classes a claim narrows; notes where these are not beside each value."""
-    results = [variable for variable in beside if variable.name in said.at]
-    own = known[said.variable]
-    for one in results:
-        at, classes, wanted = (*place, one.name), _classes(one), said.at[one.name]
-        fits = own is not None and one.ragged in ("", own.ragged) and {*one.dims} <= {*own.dims}
-        if not classes:
-            message = f"{one.name!r} is a number, and no axis: a claim is narrowed to classes"
-            report.add(at, message, listed([v.name for v in beside if _classes(v)]))
-        elif said.take or (isinstance(said, ClaimSpec) and isinstance(said.expect, Trend)):
-            message = "a result narrows what is tried value by value, no trend and nothing taken"
-            report.add(at, message, f"of axes: {listed(axes)}")
-        elif not fits:
-            report.add(at, f"{one.name!r} does not stand beside each value of {said.variable!r}")
-        else:
-            for name in wanted if isinstance(wanted, list) else [wanted]:
-                _check_class(one.name, classes, str(name), at, report)
-    return [one.name for one in results]
+    results = [one for one in beside if one.name in said.at]
+    trend = isinstance(said, ClaimSpec) and isinstance(said.expect, Trend)
+    refused = [one for one in results if _classes(one)] if said.take or trend else []
+    for one in refused:
+        message = "a result narrows what is tried value by value, no trend and nothing taken"
+        report.add((*place, one.name), message, f"of axes: {listed(axes)}")
+    if refused:
+        return [one.name for one in results]
+    return _check_classes("claim", said.at, known[said.variable], beside, place, report)
 
 
 def _check_classes(
-    figure: FigureSpec,
-    drawn: Variable | None,
+    what: str,
+    wanted: Mapping[str, Any],
+    own: Variable | None,
     beside: Sequence[Variable],
     place: Path,
     report: Report,
 ) -> Sequence[str]:
-    """The results to whose classes a curve narrows; notes where these are not beside each value."""
-    selected = figure.settings.get("select", {}) if figure.kind == "curve" else {}
-    results = [one for one in beside if one.name in selected]
+    """The results to whose classes something narrows; notes where they are not beside each value.
+
+    Parameters
+    ----------
+    wanted : name -> classes, of results; the rest is of axes
+    own : the variable whose values are narrowed
+    beside : variables of the same analysis
+    """
+    results = [one for one in beside if one.name in wanted]
     for one in results:
-        at, classes, wanted = (*place, one.name), _classes(one), selected[one.name]
+        at, classes, asked = (*place, one.name), _classes(one), wanted[one.name]
+        fits = own is not None and one.ragged in ("", own.ragged) and {*one.dims} <= {*own.dims}
         if not classes:
-            message = f"{one.name!r} is a number, and no axis: a curve is narrowed to classes"
+            message = f"{one.name!r} is a number, and no axis: a {what} is narrowed to classes"
             report.add(at, message, listed([v.name for v in beside if _classes(v)]))
-        elif one.ragged or (drawn is not None and not {*one.dims} <= {*drawn.dims}):
-            report.add(at, f"{one.name!r} does not stand beside each value that is drawn")
+        elif not fits:
+            name = own.name if own else "what is shown"
+            report.add(at, f"{one.name!r} does not stand beside each value of {name!r}")
         else:
-            for name in wanted if isinstance(wanted, list) else [wanted]:
+            for name in asked if isinstance(asked, list) else [asked]:
                 _check_class(one.name, classes, str(name), at, report)
     return [one.name for one in results]
 

@@ -19,7 +19,7 @@ from fiv_cli.notation.amounts import with_error
 from fiv_cli.plots import drawn, labels, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import shares
-from fiv_cli.reading.cycles import size_of_cycles, told_apart, tolerance
+from fiv_cli.reading.cycles import number_of_each, size_of_cycles, tolerance
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
 
 if TYPE_CHECKING:
@@ -160,13 +160,8 @@ def _scatter(
     x, y = (part[STARTS].sel(state=name).values for name in names)
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
     cell = _cell(ax, x, y)
-    if (
-        cell**2 < DENSE * size
-    ):  # of a dense lattice, or of no lattice: cells without seams, or marks
-        looks, size = (
-            {name: {**look, "marker": "s"} for name, look in looks.items()},
-            (OVER * cell) ** 2,
-        )
+    if cell**2 < DENSE * size:  # cells without seams in place of marks
+        size, looks = (OVER * cell) ** 2, {n: {**look, "marker": "s"} for n, look in looks.items()}
     for name, look in looks.items():
         mask, label = reached == name, _words(name)
         if not mask.any():
@@ -202,7 +197,7 @@ def _motions(part: xr.Dataset, single: bool) -> np.ndarray:
     reached = class_names(part["attractor"]).astype(object)
     size = size_of_cycles(part).values
     is_cycle = np.isfinite(size)
-    number = told_apart(size[is_cycle], tolerance(part))
+    number = number_of_each(size[is_cycle], tolerance(part))
     if 0 < number.max(initial=0) < len(OF_CYCLES):
         by_period = single and "period" in part
         names = _by_period(part["period"].values[is_cycle], number) if by_period else None

@@ -243,11 +243,8 @@ def _plot_errors(
 
 def _marked_where_seen(ax: Axes, heights: np.ndarray) -> dict[str, Any]:
     """Marks at all points; where these would hide the line, at those alone that no line meets."""
-    known = np.isfinite(heights)
-    if (
-        np.count_nonzero(known) * DOT["ms"]
-        < ax.figure.figure.get_figwidth() * style.POINTS * ACROSS
-    ):
+    known, room = np.isfinite(heights), ACROSS * ax.figure.figure.get_figwidth() * style.POINTS
+    if np.count_nonzero(known) * DOT["ms"] < room:
         return {}
     beside = np.pad(known, 1)
     alone = np.flatnonzero(known & ~beside[:-2] & ~beside[2:]).tolist()
@@ -589,9 +586,8 @@ def _standard_error(name: str) -> str:
 
 def _is_of_a_sample(dataset: xr.Dataset, name: str) -> bool:
     """Whether some values of a variable have a standard error."""
-    return (
-        bool(dataset[one].notnull().any()) if (one := _standard_error(name)) in dataset else False
-    )
+    error = dataset.get(_standard_error(name))
+    return error is not None and bool(error.notnull().any())
 
 
 def _sorting(dataset: xr.Dataset) -> tuple[str, str] | None:

@@ -28,7 +28,7 @@ def size_of_cycles(dataset: xr.Dataset) -> xr.DataArray:
     return size
 
 
-def told_apart(sizes: np.ndarray, tolerance: float) -> np.ndarray:
+def number_of_each(sizes: np.ndarray, tolerance: float) -> np.ndarray:
     """The number of the cycle of each size, from the least: where they differ, it is another."""
     order = np.argsort(sizes)
     another = np.diff(sizes[order]) > tolerance * sizes[order][1:]

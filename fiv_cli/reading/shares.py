@@ -11,7 +11,7 @@ import numpy as np
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.notation.tables import plain_table
-from fiv_cli.reading.cycles import size_of_cycles, told_apart, tolerance
+from fiv_cli.reading.cycles import number_of_each, size_of_cycles, tolerance
 from fiv_cli.reading.datasets import flag_names, is_class
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def of_cycles(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
 def _cycles(part: xr.Dataset) -> Iterator[dict[str, Any]]:
     """Of each cycle that starts of one point reach; nothing of one alone, nor of many."""
     sizes = size_of_cycles(part[[n for n in part if part[n].dims == ("initial",)]]).values
-    number = told_apart(sizes[np.isfinite(sizes)], tolerance(part))
+    number = number_of_each(sizes[np.isfinite(sizes)], tolerance(part))
     if not 0 < number.max(initial=0) < MOST_CYCLES or "period" not in part:
         return
     total = int((~is_class(part["attractor"], (NOT_COMPUTED,))).sum())

@@ -722,7 +722,7 @@ class _Response:
         if self.motion.measures.measured_time <= 0.0:
             return Outcome(reason="time_budget", values={"attractor": "undecided"})
         values = self._measured(energy) | {"transient_used": begun}
-        if self.rests.first is not None:
+        if self.rests.first is not None and self.watch.n_passed > 1:  # one stretch has no scatter
             values["L_s_standard_error"] = self._error_of_intensity()
         if exponent is not None:
             self.exponent_error = exponent.error
