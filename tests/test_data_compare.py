@@ -230,6 +230,18 @@ def test_chaotic_points_are_compared_by_statistics_only() -> None:
     assert differences(changed("section_value", (4,), 99.0)) == []
 
 
+@pytest.mark.parametrize(("error", "same"), [(0.2, True), (0.1, False), (np.nan, False)])
+def test_chaos_agrees_within_what_its_window_leaves_open(error: float, same: bool) -> None:
+    """4 against 5, beyond the tenth, where both tell a standard error."""
+    sides = [
+        one.assign(L_s_standard_error=one["L_s"] * 0.0 + error)
+        for one in (dataset(), changed("L_s", (1, 1), 5.0))
+    ]
+    assert (differences(sides[1], left=sides[0]) == []) is same
+    periodic = changed("L_s", (0, 0), 1.01).assign(L_s_standard_error=sides[0].L_s_standard_error)
+    assert [one.what for one in differences(periodic, left=sides[0])] == ["L_s"]
+
+
 def test_a_small_L_s_is_no_share_of_one() -> None:
     """Shares of time may differ by 0.02 as well as by a tenth; a vibration of 1e-4 m2 may not."""
     weak, strong = (

@@ -28,7 +28,13 @@ from fiv_cli.case.toml import parse_toml
 from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import error_of, flag_names, is_class, name_of_only
+from fiv_cli.reading.datasets import (
+    error_of,
+    flag_names,
+    is_class,
+    name_of_only,
+    standard_error_of,
+)
 from fiv_cli.reading.over_laws import stretches
 from fiv_cli.reading.select import ragged_dims, row_sizes
 from fiv_cli.reading.shares import drawn_of
@@ -81,6 +87,8 @@ REDRAWN = (
     "random starts are drawn anew at other parameters: shares of them can be compared, not one "
     "with another (fiv show: shares)"
 )
+STANDARD_ERRORS = 4.0
+"""How many combined standard errors two computations of the same chaos may lie apart."""
 PLACES = 100
 """How many stretches of points that have come into another class are named."""
 
@@ -351,12 +359,21 @@ class _Pair:
         x, y = a.values, b.values
         exact, sampled = self._compared(name)
         bad = a.copy(data=_differs(x, y, self.tolerances.of(name))) & exact
-        bad = bad | (a.copy(data=_differs(x, y, self.tolerances.of_sampled(name))) & sampled)
+        apart = _differs(x, y, self.tolerances.of_sampled(name)) & ~self._by_chance(name, x, y)
+        bad = bad | (a.copy(data=apart) & sampled)
         mask = bad.transpose(*a.dims).values.ravel()
         if flag_names(a.attrs) and mask.any():
             yield self._of_classes(name, x.ravel(), y.ravel(), mask)
         else:
             yield from self._of_worst(name, x.ravel(), y.ravel(), mask, partial(_place, a))
+
+    def _by_chance(self, name: str, x: Array, y: Array) -> Mask:
+        """Where two values lie within the standard errors that both sides tell."""
+        told = [side.get(standard_error_of(name)) for side in (self.left, self.right)]
+        if any(one is None or one.shape != x.shape for one in told):
+            return np.zeros(x.shape, bool)
+        combined = np.hypot(*(one.values for one in told if one is not None))
+        return np.asarray(np.abs(x - y) <= STANDARD_ERRORS * combined)
 
     def _of_classes(self, name: str, x: Array, y: Array, bad: Mask) -> Difference:
         """Which class became which, at how many points."""
