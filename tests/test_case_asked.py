@@ -266,6 +266,29 @@ def test_a_curve_is_narrowed_to_a_class_that_stands_beside_its_values() -> None:
     assert "has no class 'periodc'" in found.message
 
 
+@pytest.mark.parametrize(
+    ("grid", "lines", "left"),
+    [
+        ("v = [1, 2]", (), ""),
+        ("v = [1, 2]\nk = [3, 4]", (), "v, k"),
+        ("v = [1, 2]\nk = [3, 4]\n[sweep]\nzip = [['v', 'k']]", (), ""),
+        ("v = [1, 2]\nk = [3, 4]", ("at = { k = 3 }",), ""),
+        ("v = [1, 2]\nk = [3, 4, 5]", ('at = { k = ". >= 4" }',), "v, k"),
+        ("v = [1, 2]\nk = [3, 4]", (MEAN,), ""),
+        ("v = [1, 2]", ("at = { v = 2 }",), "none"),
+        ("v = [1]", (), "none"),
+    ],
+)
+def test_a_trend_is_along_the_one_axis_that_is_left(
+    grid: str, lines: tuple[str, ...], left: str
+) -> None:
+    text = claim("L_s", '"increasing"', *lines).replace("v = [0.5, 1.0]", grid)
+    if left:
+        assert problem(text).message.endswith(f"left are {left}")
+    else:
+        make_plan(parse_case(text, "a.toml"))
+
+
 def test_another_case_is_asked_for_one_number_at_each_point(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

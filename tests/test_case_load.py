@@ -652,7 +652,8 @@ class TestClaims:
         ],
     )
     def test_good(self, expect: str) -> None:
-        assert parse(self.claim(f"expect = {expect}")).claims[0].holds == "all"
+        text = self.claim(f"expect = {expect}\n[grid]\nmu_k = [0.1, 0.2]")
+        assert parse(text).claims[0].holds == "all"
 
     @pytest.mark.parametrize(
         "expect",

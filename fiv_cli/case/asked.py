@@ -301,6 +301,10 @@ def _known_of(
         over, reference = said.take["over"], said.take.get("relative_to", {})
         places.check_over(over, known[said.variable], (*place, "take", "over"), report)
         places.check(reference, (*place, "take", "relative_to"), report)
+    has_trend = isinstance(said, ClaimSpec) and isinstance(said.expect, Trend)
+    if has_trend and report.is_sound((*place, "at")):
+        over = said.take["over"] if said.take else ()
+        places.check_trend(on_axes, over, (*place, "expect"), report)
     return known
 
 

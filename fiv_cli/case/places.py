@@ -27,6 +27,7 @@ class Places:
     name : of the analysis
     grid : name -> axis of the grid
     own : those that its variables have besides, and ``initial``
+    leads : name -> the first of the axes that advance together with it
     contact : that of the contacts of the model, from 1
     is_shortened : whether the grid is another than that of the file, by ``--set``: then a claim
         may speak of points that are not there
@@ -35,6 +36,7 @@ class Places:
     name: str
     grid: Mapping[str, Axis]
     own: Sequence[str]
+    leads: Mapping[str, str]
     contact: Axis
     is_shortened: bool
 
@@ -47,7 +49,8 @@ class Places:
         shortened = any(line.startswith(("grid.", "sweep.")) for line in case.overrides)
         contact = Axis("contact", "number", tuple(range(1, 1 + get_model(case.model).contacts)))
         names = [*(["initial"] if starts else []), *own]
-        return cls(spec.name, grid, names, contact, shortened)
+        leads = {name: group[0] for group in case.zips for name in group}
+        return cls(spec.name, grid, names, leads, contact, shortened)
 
     def check(self, selection: Mapping[str, Any], place: Path, report: Report) -> None:
         """Note axes that the analysis has not, and values off the grid."""
@@ -61,6 +64,25 @@ class Places:
                 _check_values(self.contact, wanted, (*place, name), report)
             elif name in self.grid and not self.is_shortened and report.is_sound(("grid", name)):
                 _check_values(self.grid[name], wanted, (*place, name), report)
+
+    def check_trend(
+        self, at: Mapping[str, Any], over: Sequence[str], place: Path, report: Report
+    ) -> None:
+        """Note that not one numeric axis alone is left, along which something would rise or fall.
+
+        Others are narrowed by ``at``, or something is taken over them.
+        """
+        narrowed = {
+            self.leads.get(name, name)
+            for name, axis in self.grid.items()
+            if axis.dim in over or len(_met(axis, at.get(name, list(axis.values)))) == 1
+        }
+        numeric = [name for name, axis in self.grid.items() if axis.kind in NUMERIC]
+        every = dict.fromkeys(self.leads.get(name, name) for name in numeric)
+        left = [name for name in every if name not in narrowed]
+        if len(left) != 1 and not self.is_shortened:
+            message = f"a trend is along one numeric axis, and left are {listed(left)}"
+            report.add(place, message, "all others narrowed to one value each by `at`")
 
     def check_over(
         self, over: Sequence[str], variable: Variable | None, place: Path, report: Report
@@ -85,15 +107,26 @@ def _check_values(axis: Axis, wanted: Any, place: Path, report: Report) -> None:
 
 def _missed(axis: Axis, wanted: Any) -> Iterator[Any]:
     """What of a selection meets no value of the axis."""
+    return (one for one in _each(wanted) if not _met(axis, one))
+
+
+def _met(axis: Axis, wanted: Any) -> list[Any]:
+    """The values of an axis that a selection meets."""
+    return [
+        value for value in axis.values if any(_meets(axis, value, one) for one in _each(wanted))
+    ]
+
+
+def _each(wanted: Any) -> list[Any]:
+    return wanted if isinstance(wanted, list) else [wanted]
+
+
+def _meets(axis: Axis, value: Any, wanted: Any) -> bool:
     numeric = axis.kind in NUMERIC
-    for one in wanted if isinstance(wanted, list) else [wanted]:
-        tests = parse_condition(one) if numeric and isinstance(one, str) else ()
-        if tests:
-            met = any(all(_holds(value, test) for test in tests) for value in axis.values)
-        else:
-            met = any(_is(value, one, numeric) for value in axis.values)
-        if not met:
-            yield one
+    tests = parse_condition(wanted) if numeric and isinstance(wanted, str) else ()
+    if tests:
+        return all(_holds(value, test) for test in tests)
+    return _is(value, wanted, numeric)
 
 
 def _is(value: Any, wanted: Any, numeric: bool) -> bool:
