@@ -460,7 +460,8 @@ GAP_MARKS = {
 
 MOST_GAP_ROWS = 6
 APART = 2.5  # pt: marks in a row are no bar
-LOWEST_GAP, GAP_ROW = 0.0, 0.03  # of the height of a panel: upon the axis, no mark is a value
+GAP_MARK = 5.0  # pt
+LOWEST_GAP = 0.0  # of the height of a panel: upon the axis, no mark is a value
 
 
 def colours(axes: Sequence[Axes]) -> dict[str, ColorType]:
@@ -477,22 +478,33 @@ def mark_gaps(
     None of the kind that is `told` otherwise. Of a few among several lines each has a row, in its
     own colour.
     """
-    own, ax = colours(axes), axes[-1]
+    ax = axes[-1]
     found = _gap_rows(layers, settings, told)
     low, high = sorted(ax.get_xlim())
     shown = {row: x[(low <= x) & (x <= high)] for row, x in found.items()}
-    rows = {row: here for row, here in shown.items() if here.size}
-    for level, ((name, whose), x) in enumerate(rows.items()):
-        marker, grey = GAP_MARKS[name]
-        colour = next((own[n] for n in own if f"{whose}, ".startswith(f"{n}, ")), grey)
+    looks = _by_look({row: here for row, here in shown.items() if here.size}, colours(axes))
+    step = (GAP_MARK + 1.0) * ax.figure.dpi / style.POINTS / ax.bbox.height
+    for level, ((name, colour), (whose, x)) in enumerate(looks.items()):
         ax.plot(
-            x, np.full(x.shape, LOWEST_GAP + GAP_ROW * level), marker, color=colour, ms=5,
-            ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
+            x, np.full(x.shape, LOWEST_GAP + step * level), GAP_MARKS[name][0], color=colour,
+            ms=GAP_MARK, ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
             transform=ax.get_xaxis_transform(), zorder=5, markevery=_apart(ax, x),
         )  # fmt: skip
     limited = "ylim" in settings and ax is axes[0]
-    if rows and not limited and ax.get_yscale() == "linear":
-        _make_room_below(ax, LOWEST_GAP + GAP_ROW * len(rows))
+    if looks and not limited and ax.get_yscale() == "linear":
+        _make_room_below(ax, LOWEST_GAP + step * len(looks))
+
+
+def _by_look(
+    rows: Mapping[tuple[str, str], np.ndarray], own: Mapping[str, ColorType]
+) -> dict[tuple[str, ColorType], tuple[str, np.ndarray]]:
+    """Kind of gap and colour -> whose it is, and where: what looks alike is one row."""
+    looks: dict[tuple[str, ColorType], tuple[str, np.ndarray]] = {}
+    for (name, whose), x in rows.items():
+        of = next((entry for entry in own if f"{whose}, ".startswith(f"{entry}, ")), "")
+        look = name, own.get(of, GAP_MARKS[name][1])
+        looks[look] = (of, np.union1d(looks[look][1], x)) if look in looks else (whose, x)
+    return looks
 
 
 def _gap_rows(
