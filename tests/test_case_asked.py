@@ -289,6 +289,11 @@ def test_a_trend_is_along_the_one_axis_that_is_left(
         make_plan(parse_case(text, "a.toml"))
 
 
+def test_a_bifurcation_diagram_without_an_axis_is_told_what_draws_a_branch() -> None:
+    text = figure('kind = "bifurcation"', 'x = "v"').replace("v = [0.5, 1.0]", "")
+    assert 'kind = "branch"' in problem(text).allowed
+
+
 def test_another_case_is_asked_for_one_number_at_each_point(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

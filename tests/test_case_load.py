@@ -745,7 +745,7 @@ class TestClaims:
         ]
         text = belt(*figure).replace('"history"\nt_end = 30', '"response"')
         assert parse(text).figures
-        other = text.replace('"curve"\nvariable = "L_s"', '"bifurcation"')
+        other = text.replace('"curve"\nvariable = "L_s"', '"basin"')
         assert "is a result, and no axis" in only_problem(other).message
 
     @pytest.mark.parametrize("holds", ['"any"', "0.9", "1"])

@@ -25,6 +25,11 @@ from fiv_cli.case.tables import read_table
 from fiv_cli.notation.names import ascii_name, axis_name, can_name_a_file, listed
 from fiv_cli.notation.units import convert
 
+BRANCH_ALONE = (
+    'an axis; or kind = "branch" for what an analysis `cycle` follows by itself, which '
+    "`fiv plot SWEEP.nc BRANCH.nc --figure bifurcation` draws into the diagram of a sweep"
+)
+
 
 @dataclass(frozen=True)
 class Answers:
@@ -103,6 +108,10 @@ def _check_analysis(name: str | None, answers: Answers, place: Path, report: Rep
 
 
 def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report: Report) -> None:
+    if table.kind == "bifurcation" and not answers.axes:
+        message = "a bifurcation diagram lies over an axis of [grid], and this case has none"
+        report.add((*place, "kind"), message, BRANCH_ALONE)
+        return
     for key, known in _known_of_axes(table.kind, answers).items():
         name = axis_name(getattr(table, key) or "")
         message = f"a figure of kind {table.kind!r} has no {key} {name!r}"
