@@ -64,7 +64,7 @@ class Kind:
 
 # In the order in which a dataset without [[figure]] tables is asked what suits it.
 KINDS: dict[str, Kind] = {
-    "map": Kind(map_.suits, map_.draw, unasked=map_.spans_plane),
+    "map": Kind(map_.suits, map_.draw, unasked=map_.fills_plane),
     "basin": Kind(basin.suits, basin.draw),
     "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True, completed=True),
     "curve": Kind(curve.suits, curve.draw, overlays=True, unasked=curve.has_an_axis),

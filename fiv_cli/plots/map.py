@@ -51,13 +51,14 @@ BELOW = "#DDDDDD"  # of numbers that have no logarithm
 
 
 def suits(dataset: xr.Dataset) -> bool:
-    """Whether there is something over two axes, be it of laws or starts."""
-    return len(points.varying_axes(dataset)) >= 2 and bool(_headlines(dataset))
+    """Whether there are two axes, be it of laws or starts."""
+    return len(points.varying_axes(dataset)) >= 2
 
 
-def spans_plane(dataset: xr.Dataset) -> bool:
-    """Whether two numeric axes span a plane of points."""
-    return sum(map(select.is_numeric, points.varying_axes(dataset))) >= 2
+def fills_plane(dataset: xr.Dataset) -> bool:
+    """Whether something has one value at each point of a plane of two numeric axes."""
+    numeric = sum(map(select.is_numeric, points.varying_axes(dataset)))
+    return numeric >= 2 and bool(_headlines(dataset))
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
