@@ -32,6 +32,7 @@ FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
 OVER = 1.25  # a cell, so that no seam is seen
 DENSE = 4.0  # of the size of a mark: a cell of a lattice that is smaller is filled
+CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))  # of a cell
 STAR = 8.0  # size of the mark of an equilibrium, pt
 NUMBER = re.compile(r"\d")  # no class has one in its name
 SAME = 1e-6  # of the greatest: places of rest that differ by less are one
@@ -160,8 +161,9 @@ def _scatter(
     x, y = (part[STARTS].sel(state=name).values for name in names)
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
     cell = _cell(ax, x, y)
-    if cell**2 < DENSE * size:  # cells without seams in place of marks
-        size, looks = (OVER * cell) ** 2, {n: {**look, "marker": "s"} for n, look in looks.items()}
+    if cell.min() ** 2 < DENSE * size:  # cells without seams in place of marks
+        size, filled = (OVER * cell.max()) ** 2, np.array(CORNERS) * cell / cell.max()
+        looks = {name: {**look, "marker": filled} for name, look in looks.items()}
     for name, look in looks.items():
         mask, label = reached == name, _words(name)
         if not mask.any():
@@ -180,13 +182,12 @@ def _scatter(
                 label="where they rest")  # fmt: skip
 
 
-def _cell(ax: Axes, x: np.ndarray, y: np.ndarray) -> float:
-    """The longer side of a cell of a lattice of starts, pt; infinite where they are none."""
-    columns, rows = np.unique(x).size, np.unique(y).size
-    if columns * rows != x.size or min(columns, rows) < 2:
-        return np.inf
-    width, height = np.array(ax.bbox.size) / ax.figure.dpi * style.POINTS
-    return float(max(width / columns, height / rows))
+def _cell(ax: Axes, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Width and height of a cell of a lattice of starts, pt; infinite where they are none."""
+    counts = np.array([np.unique(x).size, np.unique(y).size])
+    if counts.prod() != x.size or counts.min() < 2:
+        return np.full(2, np.inf)
+    return np.asarray(np.array(ax.bbox.size) / ax.figure.dpi * style.POINTS / counts)
 
 
 def _motions(part: xr.Dataset, single: bool) -> np.ndarray:
