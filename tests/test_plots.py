@@ -27,7 +27,16 @@ from fiv_cli.dynamics.settings import Section
 from fiv_cli.errors import CaseError, EmptyFigureError, InputError, StorageError, UsageError
 from fiv_cli.flags import COMPUTED, REASON, advice
 from fiv_cli.friction import get_law
-from fiv_cli.plots import default_figures, draw, draw_laws, drawing, figures_of, look_of, save
+from fiv_cli.plots import (
+    default_figures,
+    draw,
+    draw_laws,
+    drawing,
+    figures_of,
+    look_of,
+    points,
+    save,
+)
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.bifurcation import FINEST
 from fiv_cli.plots.branch import stretches
@@ -150,8 +159,8 @@ def test_a_legend_hides_no_data():
 
 def test_marks_of_gaps_stand_below_all_points_a_row_for_each_line_of_each_dataset():
     dataset = data.bifurcation()
-    both = [("one", dataset), ("two", dataset.isel(initial=[1, 0]))]
-    (ax,) = draw(both, figure("curve", variable="L_s")).axes
+    other = dataset.isel(initial=[1, 0]).assign(L_s=dataset["L_s"] * 1.1)
+    (ax,) = draw([("one", dataset), ("two", other)], figure("curve", variable="L_s")).axes
     rows = [line for line in ax.lines if line.get_marker() in {m for m, _ in GAP_MARKS.values()}]
     heights = [line.get_ydata()[0] for line in rows]
     assert len(set(heights)) == len(heights) == 4
@@ -159,6 +168,44 @@ def test_marks_of_gaps_stand_below_all_points_a_row_for_each_line_of_each_datase
     assert max(heights) < (ax.dataLim.y0 - low) / (high - low)
     limited = draw(dataset, figure("curve", variable="L_s", ylim=[0, 1]))
     assert limited.axes[0].get_ylim() == (0, 1)
+
+
+def test_lines_that_would_hide_one_another_are_one_with_the_name_of_all():
+    """A table has each by its own name; what gaps they have is told in the colour of all."""
+    lines = crossing_lines(rest=(0.0, 1.0), belt=(0.0, 1.0), other=(1.0, 0.0))
+    drawn = draw(lines, figure("curve", variable="L_s"))
+    assert legend_texts(drawn.axes[0]) == ["rest and belt", "other"]
+    shown = [line for line in drawn.axes[0].lines if line.get_visible() and len(line.get_xdata())]
+    assert len(shown) == 2
+    rows = [row.split(",") for row in as_csv(drawn, Path("a.csv")).splitlines()[1:]]
+    assert {row[4] for row in rows} == {"rest", "belt", "other"}
+    assert points.is_of("a, rest, x", "a, rest and belt") and points.is_of("rest", "rest")
+    assert not points.is_of("a, restless", "a, rest and belt") and not points.is_of("a", "a, b")
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        (["v = 1, up", "v = 1, down"], "v = 1, up and down"),
+        (["v = 1, up", "v = 2, down"], ""),
+        (["up", "v = 2, up"], ""),
+        (["far-000", "far-001"], ""),
+        (["a" * 30, "b" * 30], ""),
+        (["far-000"], "far-000"),
+    ],
+)
+def test_several_lines_have_a_name_of_all_where_it_is_no_others(names, told):
+    assert points.of_all(names) == told
+
+
+def test_marks_of_gaps_that_look_alike_are_one_row():
+    """Two starts of one preload have one colour: which of them is undecided, no mark tells."""
+    rows = {("undecided", "a, up"): np.r_[1.0], ("undecided", "a, down"): np.r_[2.0]}
+    for own, told in (({"a": "red"}, [("a", [1.0, 2.0])]), ({}, [("", [1.0, 2.0])])):
+        looks = points._by_look(rows, own).values()
+        assert [(whose, x.tolist()) for whose, x in looks] == told
+    alone = points._by_look({("pending", "a, up"): np.r_[1.0]}, {})
+    assert [whose for whose, _ in alone.values()] == ["a, up"]
 
 
 def test_gaps_of_all_lines_of_one_of_two_datasets_are_its():
@@ -3496,12 +3543,21 @@ def test_a_mark_of_one_gap_alone_is_drawn():
     assert gap.get_markevery() == [0] and gap.get_xdata().tolist() == [1.0]
     rows = np.full(400, "undecided", object)
     rows[:200] = "periodic"
+    rows[250:298], rows[300:350] = "periodic", "periodic"  # between them two, near each other
     many = data.response(rows, np.where(rows == "periodic", 1.0, np.nan), {"v": np.arange(400.0)})
     (ax,) = draw(many, figure("curve", variable="L_s")).axes
     (gap,) = [
         line for line in ax.lines if line.get_label() == "undecided" and len(line.get_xdata())
     ]
-    assert 40 < len(gap.get_markevery()) < 150
+    marked = gap.get_xdata()[gap.get_markevery()]
+    assert 20 < len(marked) < 50 and {200.0, 249.0, 298.0, 299.0, 350.0, 399.0} <= {*marked}
+
+
+def test_a_map_of_one_of_several_crossings_is_the_one_that_the_case_asks_for():
+    critical = data.crossings().expand_dims(c=[1.0, 2.0])
+    asked = figure("map", variable="critical_value", select={"crossing": 0})
+    assert drawing.possible_figures(critical.assign_attrs(data.attributes(asked))) == [asked]
+    assert "map" not in [one.kind for one in default_figures(critical)]
 
 
 def test_figures_that_select_another_motion_are_not_drawn_of_this_one():

@@ -5,7 +5,7 @@ Variables of one unit share a panel.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise, product
 from typing import TYPE_CHECKING, Any
@@ -43,6 +43,7 @@ PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at on
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
 ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CAP = 2.0  # half the width of the ends of error bars, pt
+UPON = 1e-6  # relative: values that differ by less are drawn at one place
 UNSEEN = 5e-3  # of all that a panel shows: an error bar that is shorter has no ends
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
 NARROW = 2.5e-3  # of the greatest value: half of what may be, that is told by an error bar
@@ -108,7 +109,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             or _without_axis(layer, name, dataset, axis)
         )
     ]
-    drawn = _with_own_words(drawn)
+    drawn = _with_own_words(_each_once(drawn))
     anything = any(np.isfinite([curve.y, *curve.ends]).any() for _, curve in drawn)
     points.refuse_empty(dataset, anything, names[0])
     title = points.title(*(layer.dataset for layer in layers))
@@ -124,6 +125,24 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     told = "undecided" if names == ["attractor"] else ""
     points.dress(axes, along, settings, told)
     return figure
+
+
+def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
+    """The same (panel, line), with one in place of a few that would hide one another."""
+    groups: list[list[tuple[int, _Curve]]] = []
+    for place, one in drawn if len(drawn) <= points.MOST_ENTRIES_IN_COLUMN else ():
+        alike = (own for own in groups if own[0][0] == place and one.hides(own[0][1]))
+        group = next(alike, [])
+        group.append((place, one))
+        groups += [group] * (len(group) == 1)
+    return [line for group in groups for line in _as_one(group)] or [*drawn]
+
+
+def _as_one(group: list[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
+    """Lines that hide one another as the first, which has the name of all, if there is one."""
+    (place, first), names = group[0], tuple(one.label for _, one in group)
+    label = points.of_all(names)
+    return [(place, replace(first, label=label, names=names))] if label else group
 
 
 def _with_own_words(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
@@ -179,13 +198,28 @@ def _panel(
     for curve, entry in lines:
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
-        _plot(ax, curve, shift, entry, classes or entry.scattered or not numeric)
-        barred |= _plot_errors(ax, curve, shift, entry, extent * UNSEEN, logarithmic)
+        apart = classes or entry.scattered or not numeric
+        for named in _each_named(ax, curve, entry):
+            _plot(ax, curve, shift, named, apart)
+            barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
     for told, look in UNSURE.items():
         if any(str(drawn.get_label()).endswith(told) for drawn in (*ax.lines, *ax.collections)):
             ax.plot([], [], color=style.BLACK, label=told, **look)
     _name_values(ax, variables)
     return barred
+
+
+def _each_named(ax: Axes, curve: _Curve, entry: points.Entry) -> Iterator[points.Entry]:
+    """How a line is drawn; under the names of those that it hides it is in tables alone."""
+    if len(curve.names) < 2:
+        yield entry
+        return
+    ax.plot([], [], ls=entry.dash, color=entry.colour, label=entry.label, **curve.mark)
+    for number, name in enumerate(curve.names):
+        before = {*ax.get_children()}
+        yield replace(entry, label=points.unlisted(name))
+        for artist in {*ax.get_children()} - before if number else ():
+            artist.set_visible(False)
 
 
 def _extent(curves: Sequence[_Curve], logarithmic: bool) -> float:
@@ -299,7 +333,8 @@ class _Curve:
     `ends` are the least and the greatest that each may be, `error` is how far it may be off:
     infinite where that is not known. `jumps` are the places at which another class begins. `sort`
     is what `dash` and `mark` mean, where colours mean another thing. A line `of_crossings` has no
-    gaps. No error reaches beyond the `limits`, such as 0 and 1 of a share.
+    gaps. No error reaches beyond the `limits`, such as 0 and 1 of a share. `names` are the labels
+    of all for which it stands.
     """
 
     label: str
@@ -314,6 +349,18 @@ class _Curve:
     sort: str = ""
     of_crossings: bool = False
     limits: tuple[float, float] = (-np.inf, np.inf)
+    names: tuple[str, ...] = ()
+
+    def hides(self, other: _Curve) -> bool:
+        """Whether it would lie upon another, mark by mark."""
+        if self.sort or self.of_crossings or not np.array_equal(self.x, other.x):
+            return False
+        if not np.array_equal(self.open, other.open) or [*self.jumps] != [*other.jumps]:
+            return False
+        pairs = zip(
+            (self.y, self.error, *self.ends), (other.y, other.error, *other.ends), strict=True
+        )
+        return all(np.allclose(a, b, rtol=UPON, atol=0.0, equal_nan=True) for a, b in pairs)
 
     @property
     def is_marked(self) -> bool:

@@ -356,6 +356,27 @@ def joined(*words: str) -> str:
     return ", ".join(word for word in words if word)
 
 
+def of_all(names: Sequence[str]) -> str:
+    """One name for lines that have these: ``rest and belt``; "" where it would mislead.
+
+    That is where some others would have it too, where it takes a line by itself, and for the
+    members of a random start, which are not called one by one.
+    """
+    parts = [name.split(", ") for name in names]
+    if len({len(one) for one in parts}) > 1 or any(stem(name) != name for name in names):
+        return names[0] if len(names) == 1 else ""
+    own = [list(dict.fromkeys(column)) for column in zip(*parts, strict=True)]
+    are_all = len({*names}) == len(names) == np.prod([len(column) for column in own])
+    name = joined(*map(BOTH.join, own))
+    return name if are_all and (len(names) == 1 or len(name) <= MOST_LETTERS) else ""
+
+
+def is_of(whose: str, entry: str) -> bool:
+    """Whether what is called `whose` belongs to an entry of a legend, be it one `of_all`."""
+    pairs = itertools.zip_longest(entry.split(", "), whose.split(", "), fillvalue="")
+    return all(not told or own == told or own in told.split(BOTH) for told, own in pairs)
+
+
 def unlisted(*words: str) -> str:
     """What a line is called where it has no entry of its own in the legend."""
     return f"_{joined(*words).removeprefix('_')}"
@@ -448,6 +469,9 @@ def dress(
     legend(axes)
 
 
+BOTH = " and "
+MOST_LETTERS = 50  # of a name of several lines
+
 GAP_MARKS = {
     "undecided": ("x", "#777777"),
     "failed": ("X", style.BLACK),
@@ -501,7 +525,7 @@ def _by_look(
     """Kind of gap and colour -> whose it is, and where: what looks alike is one row."""
     looks: dict[tuple[str, ColorType], tuple[str, np.ndarray]] = {}
     for (name, whose), x in rows.items():
-        of = next((entry for entry in own if f"{whose}, ".startswith(f"{entry}, ")), "")
+        of = next((entry for entry in own if is_of(whose, entry)), "")
         look = name, own.get(of, GAP_MARKS[name][1])
         looks[look] = (of, np.union1d(looks[look][1], x)) if look in looks else (whose, x)
     return looks
@@ -528,11 +552,12 @@ def _gap_rows(
 
 
 def _apart(ax: Axes, x: np.ndarray) -> list[int]:
-    """Which of some rising places are marked: the first, and each that is far from the last one."""
+    """Which of some rising places are marked: the ends of each row, and all far from one before."""
     places = ax.transData.transform(np.column_stack([x, np.full(x.size, np.mean(ax.get_ylim()))]))
     far, kept = APART * ax.figure.dpi / style.POINTS, [0]
-    for number, place in enumerate(places[:, 0]):
-        if abs(place - places[kept[-1], 0]) >= far:
+    is_last = np.append(np.abs(np.diff(places[:, 0])) >= far, True)  # of its row
+    for number, place in enumerate(places[1:, 0], 1):
+        if is_last[number] or abs(place - places[kept[-1], 0]) >= far:
             kept.append(number)
     return kept
 
