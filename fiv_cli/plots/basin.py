@@ -38,7 +38,7 @@ NUMBER = re.compile(r"\d")  # no class has one in its name
 SAME = 1e-6  # of the greatest: places of rest that differ by less are one
 # Marks of cycles where there are several, and their colours, which only what diverged, or lost
 # contact, may have beside them.
-OF_CYCLES = {"o": style.ORANGE, "+": style.BLUE, "^": style.BLACK, "D": style.PURPLE}
+OF_CYCLES = {"o": style.ORANGE, "^": style.BLACK, "D": style.PURPLE, "s": style.BLUE}
 MARKS = (".", "o", "s", "^", "D", "x", "P", "v")  # of the classes, in the order of their codes
 
 

@@ -40,7 +40,7 @@ ALIKE = (
 PAD = 0.25  # around a level that is written, in heights of its letters
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 NOT_KNOWN = "not known"
-RIM: Any = [withStroke(linewidth=3.0, foreground="white")]  # of lines on any shade
+RIM: Any = [withStroke(linewidth=2.3, foreground="white")]  # of lines on any shade
 STYLES = ("solid", "dashed", "dotted", "dashdot")
 
 
@@ -102,8 +102,8 @@ def draw(
 ) -> None:
     """Lines of planes, one for each end of what is drawn, where they reach the levels.
 
-    Each that is long enough has its level written on it, if they are `named`; a `rim` sets them off
-    from any shade.
+    Each has its level written on it, if they are `named` and each has the room; a `rim` sets them
+    off from any shade.
     """
     drawn = []
     for level, dashes in zip(levels, styles, strict=False):
@@ -116,23 +116,39 @@ def draw(
                 lines.set_path_effects(RIM if rim else [])
                 lines.set_label(points.unlisted(label, _words(array, level, levels)))
                 drawn.append((lines, level))
-    for lines, level in drawn if named else ():
-        _name(ax, lines, level, [one for one, of in drawn if of != level], levels)
+    if named:
+        _name(ax, drawn, levels)
 
 
-def _name(
+def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]) -> None:
+    """Write its level on each line; on none where one has no room: the legend tells them all."""
+    written = [one.get_position() for one in ax.texts]
+    found: list[tuple[QuadContourSet, float, list[np.ndarray]]] = []
+    for lines, level in drawn:
+        others = [one for one, of in drawn if of != level]
+        taken = [*written, *(place for _, _, places in found for place in places)]
+        text = labels.number_text(level, levels)
+        found.append((lines, level, _rooms(ax, lines, text, others, taken)))
+    if {level for _, level in drawn} == {level for _, level, places in found if places}:
+        for lines, level, places in found:
+            told = {level: labels.number_text(level, levels)}
+            size = mpl.rcParams["legend.fontsize"]
+            for text_ in ax.clabel(lines, fmt=told, fontsize=size, manual=places):
+                text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
+
+
+def _rooms(
     ax: Axes,
     lines: QuadContourSet,
-    level: float,
+    text: str,
     others: Sequence[QuadContourSet],
-    levels: Sequence[float],
-) -> None:
-    """Write the level on each piece of its lines that has room beside what is written already.
+    written: Sequence[Any],
+) -> list[np.ndarray]:
+    """Where the level can be written on pieces of its lines beside what is `written` already.
 
     There it reaches over no side of the panel, and its line runs apart from those of other levels.
     """
-    size, text = mpl.rcParams["legend.fontsize"], labels.number_text(level, levels)
-    height = size * ax.figure.dpi / style.POINTS
+    height = mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS
     box = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
     length = 2.0 * (box[0] - PAD * height)
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
@@ -140,7 +156,7 @@ def _name(
     low, high = ax.bbox.min + box, ax.bbox.max - box
     of_others = [pixels(piece) for one in others for piece in _pieces(one)]
     elsewhere = np.concatenate([np.zeros((0, 2)), *of_others])
-    taken = [pixels(one.get_position()) for one in ax.texts]
+    taken = [pixels(place) for place in written]
     chosen: list[np.ndarray] = []
     roomiest: tuple[float, list[np.ndarray]] = (LEAST_ROOM * length, [])
     for piece in _pieces(lines):
@@ -156,8 +172,7 @@ def _name(
         if apart.max() > ROOM * length:
             chosen.append(piece[apart.argmax()])
             taken.append(along[apart.argmax()])
-    for text_ in ax.clabel(lines, fmt={level: text}, fontsize=size, manual=chosen or roomiest[1]):
-        text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
+    return chosen or roomiest[1]
 
 
 def _distances(points: np.ndarray, others: Sequence[np.ndarray]) -> np.ndarray:

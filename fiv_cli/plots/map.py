@@ -459,7 +459,9 @@ def _paint_numbers(
         ticks=counts if counted else None,
     )  # fmt: skip
     if (known <= least).any():
-        handles = [*handles, Patch(color=BELOW, label="0" if known.min() == 0.0 else "not above 0")]
+        own = labels.quantity(planes.array, str(planes.array.name))
+        sign = "=" if known.min() == 0.0 else r"$\leq$"
+        handles = [*handles, Patch(color=BELOW, label=f"{own} {sign} 0")]
     unbounded = bool((_unsure(planes)[MIDDLE] & values.isnull()).any())
     why = points.joined(
         why_missing(planes.dataset, values.notnull()), "undecided points" if unbounded else ""
