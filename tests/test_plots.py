@@ -2401,6 +2401,15 @@ def test_motions_of_several_files_share_a_phase_portrait():
         "start: a",
         "start: b",
     ]
+    unnamed = [(name, one.assign_attrs(called="")) for name, one in layers]
+    (ax,) = draw(unnamed, figure("phase")).axes
+    assert {"start: far", "start: near"} <= {*legend_texts(ax)}
+    dashes = {
+        line.get_linestyle()
+        for line in ax.figure.legends[0].get_lines()
+        if line.get_marker() in "os"
+    }
+    assert len(dashes) == 2
     reaches = [np.ptp(line.get_xydata()[:, 0]) for line in ax.lines]
     assert len(ax.texts) == 2 and len(reaches) >= 2
     with pytest.raises(UsageError, match="theta_dot: no variable over time"):

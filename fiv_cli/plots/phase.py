@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
@@ -14,7 +16,6 @@ from fiv_cli.plots import motion, points, style
 from fiv_cli.reading import sampling
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -45,11 +46,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """
     datasets = [layer.dataset for layer in layers]
     dataset, shared = datasets[0], bool(settings.get("overlay")) or len(layers) > 1
-    motions = [
-        replace(one, label=points.joined(layer.label, one.label))
-        for layer in layers
-        for one in motion.motions(layer.dataset, {**settings, "overlay": shared})
-    ]
+    motions = _named(layers, {**settings, "overlay": shared})
     names, *_ = [_states(one, settings) for one in datasets]  # which all must have
     marks = _marks(motions, shared, settings)
     figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(*datasets))
@@ -74,9 +71,26 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state], **look)
         for state in present
     ]
-    named = {mark.label: Line2D([], [], **vars(mark), **MARK) for mark in marks if mark.label}
+    of_lines = len({mark.dash for mark in marks}) > 1 and not coarse
+    named = {mark.label: mark.key(with_line=of_lines) for mark in marks if mark.label}
     style.legend_below(figure, [*keys, *others, *named.values()], contact)
     return figure
+
+
+def _named(layers: Sequence[points.Layer], settings: points.Settings) -> list[motion.Motion]:
+    """The motions of all datasets: by their starts where these tell them apart, whatever the case.
+
+    Else by what their datasets are called too; so where a name was given to these.
+    """
+    found = [(layer, one) for layer in layers for one in motion.motions(layer.dataset, settings)]
+    starts = [
+        str(one.data.coords.get("initial", xr.DataArray(one.label)).values) for _, one in found
+    ]
+    given = any(layer.dataset.attrs.get("called", layer.label) for layer in layers)
+    by_start = all(one.label in ("", start) for (_, one), start in zip(found, starts, strict=True))
+    if len(layers) > 1 and by_start and not given and len({*starts}) == len(starts):
+        return [replace(one, label=start) for (_, one), start in zip(found, starts, strict=True)]
+    return [replace(one, label=points.joined(layer.label, one.label)) for layer, one in found]
 
 
 @dataclass(frozen=True)
@@ -85,6 +99,12 @@ class _Mark:
 
     label: str
     marker: str
+    dash: Any = "-"  # of its motion
+
+    def key(self, *, with_line: bool) -> Line2D:
+        """Its entry of a legend."""
+        look = {**MARK, "ls": self.dash, "color": style.BLACK} if with_line else MARK
+        return Line2D([], [], label=self.label, marker=self.marker, **look)
 
 
 def _marks(
@@ -94,8 +114,8 @@ def _marks(
     words = [_of_first_sample(one.data, settings) for one in motions]
     if not shared or not 1 < len(motions) <= len(MARKERS):
         return [_Mark(word, MARKERS[word == "at rest"]) for word in words]
-    named = zip(words, motions, MARKERS, strict=False)
-    return [_Mark(f"{word or 'motion'}: {one.label}", marker) for word, one, marker in named]
+    named = zip(words, motions, MARKERS, cycle(style.DASHES))
+    return [_Mark(f"{word or 'motion'}: {one.label}", mark, ls) for word, one, mark, ls in named]
 
 
 def _of_first_sample(data: xr.Dataset, settings: points.Settings) -> str:
@@ -165,7 +185,8 @@ def _panel(
     for state, begin, end in motion.contact_spans(one, settings):
         stretches.setdefault(state, []).append(path.between(begin, end))
     for state, pieces in stretches.items():
-        path.draw(ax, pieces, points.joined(one.label, state), color=style.CLASSES[state], lw=1.0)
+        look = {"color": style.CLASSES[state], "lw": 1.0, "ls": mark.dash}
+        path.draw(ax, pieces, points.joined(one.label, state), **look)
     if not path.is_coarse:
         _point_onwards(ax, path.points)
     for contact, begin, end in motion.other_sticks(one, settings):
