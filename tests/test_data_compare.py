@@ -242,6 +242,16 @@ def test_chaos_agrees_within_what_its_window_leaves_open(error: float, same: boo
     assert [one.what for one in differences(periodic, left=sides[0])] == ["L_s"]
 
 
+def test_what_lies_before_the_next_value_is_not_compared_where_that_is_another() -> None:
+    along = {"units": "1", "along": "mu_k"}
+    sides = [
+        dataset().assign(coupling_point=(("mu_k", "initial"), [[first] * 2, [0.2] * 2], along))
+        for first in (0.05, 0.08)
+    ]
+    assert [one.what for one in differences(sides[1], left=sides[0])] == ["coupling_point"]
+    assert [one.what for one in differences(sides[1].isel(mu_k=[0]), left=sides[0])] == ["mu_k"]
+
+
 def test_a_small_L_s_is_no_share_of_one() -> None:
     """Shares of time may differ by 0.02 as well as by a tenth; a vibration of 1e-4 m2 may not."""
     weak, strong = (

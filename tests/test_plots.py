@@ -2100,6 +2100,26 @@ def test_a_value_that_has_an_error_of_its_own_has_a_bar(name):
     assert told == ("error not known" not in legend_texts(ax))
 
 
+def test_shares_are_a_table(tmp_path):
+    """Each class at each point; what all of a sample reach has no error."""
+    dataset = data.basin(speeds=(1.0, 9.0)).assign_attrs(starts_json=json.dumps({"any": "random"}))
+    dataset.to_netcdf(tmp_path / "a.nc")
+    run = CliRunner().invoke(show_command, [str(tmp_path / "a.nc"), "--csv", "shares"])
+    head, *rows = [line.split(",") for line in run.stdout.splitlines()]
+    assert head == ["initial", "Omega", "class", "share", "standard_error", "starts"]
+    assert [row[:3] for row in rows] == [
+        ["any", speed, name] for name in ("equilibrium", "periodic") for speed in ("1.0", "9.0")
+    ]
+    share, error, count = map(float, rows[0][3:])
+    assert error == pytest.approx(np.sqrt(share * (1.0 - share) / count))
+    assert rows[1][3:] == ["1.0", "", "200"] and rows[3][3:] == ["0.0", "", "200"]
+    data.bifurcation().to_netcdf(tmp_path / "b.nc")
+    with pytest.raises(UsageError, match="no random starts here"):
+        CliRunner().invoke(
+            show_command, [str(tmp_path / "b.nc"), "--csv", "shares"], catch_exceptions=False
+        )
+
+
 @pytest.mark.parametrize(("kind", "told"), [("random", 1), ("table", 0)])
 def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind, told):
     starts = json.dumps({"any": kind})

@@ -688,6 +688,8 @@ def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
     assert course.pace(20.0) == "20 s elapsed, 5 points/s, some 3 min to go"
     assert course.pace(29.0) == "29 s elapsed, 5 points/s, some 2.9 min to go"  # none is due yet
     assert course.pace(40.0) == "40 s elapsed, 2.5 points/s, some 6 min to go"
+    course = Course(101, [0.0, 20.0, 30.0], [0, 90, 100])
+    assert course.pace(40.0) == "40 s elapsed, 3.3 points/s"  # the last should be there by now
     few = Course(1000, [0.0, 90.0], [0, 45])
     alike = "90 s elapsed, 0.5 points/s, some 32 min to go, were the others alike"
     assert few.pace(90.0) == alike

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -10,6 +12,9 @@ from fiv_cli.cli.common import at_option, json_option, parse_selection, print_js
 from fiv_cli.errors import UsageError, printable
 from fiv_cli.files import refuse_special, write_whole
 from fiv_cli.notation.names import pick
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @click.command("show")
@@ -24,8 +29,8 @@ from fiv_cli.notation.names import pick
     "columns",
     metavar="NAME,...",
     help="Print variables as a table instead: a row for each value, its point beside it, in SI; "
-    "'NAME[x]' is the column of one state or contact, 'NAME[*]' one of each. Here --at takes "
-    "classes, too.",
+    "'NAME[x]' is the column of one state or contact, 'NAME[*]' one of each; 'shares' are those of "
+    "random starts, or of a lattice, with their standard errors. Here --at takes classes, too.",
 )
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="FILE.csv", help="Where --csv goes."
@@ -71,11 +76,8 @@ def command(
         following = f"fiv show {file}"
         analyses = {chosen: pick(chosen, analyses, "analysis", following)}
     if columns is not None:
-        from fiv_cli.reading.table import as_csv, without_row
-
-        names = [name.strip() for name in columns.split(",")]
-        told = as_csv(analyses, names, at)
-        if remark := without_row(analyses, names, at):
+        told, remark = _table(analyses, columns, at)
+        if remark:
             click.echo(remark, err=True)
         if output is None:
             click.echo(told, nl=False)
@@ -91,3 +93,19 @@ def command(
         print_json(summary)
     else:
         click.echo(printable("\n".join(lines(summary))))
+
+
+def _table(
+    analyses: Mapping[str, xr.Dataset], columns: str, at: Mapping[str, Any]
+) -> tuple[str, str]:
+    """The table that is asked for, and what it leaves out."""
+    from fiv_cli.reading import shares
+    from fiv_cli.reading.select import part_of_each
+    from fiv_cli.reading.table import as_csv, without_row
+
+    names = [name.strip() for name in columns.split(",")]
+    reaching = {name: one for name, one in analyses.items() if "attractor" in one}
+    if names == ["shares"] and len(reaching) == 1:
+        (part,) = part_of_each(reaching, at).values()
+        return shares.as_csv(part), ""
+    return as_csv(analyses, names, at), without_row(analyses, names, at)

@@ -65,11 +65,15 @@ class Course:
         return (self.done - self.counts[place]) / seconds if seconds > 0.0 else 0.0
 
     def left(self, now: float) -> float | None:
-        """Seconds that the rest takes at this rate; None where nothing tells, or little yet."""
+        """Seconds that the rest takes at this rate; None where nothing tells, or little yet.
+
+        So where it should be done by now: the rest takes longer than the points before.
+        """
         rate = self.rate(now)
         if rate == 0.0 or (self._is_early and self.elapsed(now) < YOUNG):
             return None
-        return max(0.0, (self.total - self.done) / rate - (now - self._judged(now)))
+        left = (self.total - self.done) / rate - (now - self._judged(now))
+        return left if left > 0.0 or self.done >= self.total else None
 
     @property
     def _is_early(self) -> bool:

@@ -133,7 +133,7 @@ def _refuse_unwritten(path: Path) -> None:
     if runs:
         course, command = runs[-1].course, runs[-1].command
         at = datetime.fromtimestamp(course.times[-1]).strftime("%H:%M:%S")
-        comes = "; it comes when that ends or is stopped (Ctrl-C)"
+        comes = "; it comes when that ends, or is stopped (Ctrl-C) after a point"
         raise UsageError(
             f"{path}: not written; its run had {came(course.done, course.total)} at {at}"
             f"{comes * (course.done < course.total)}\n"

@@ -343,6 +343,8 @@ class _Pair:
             return
         if named(name).tells_trust and name not in self.tolerances.variables:
             return
+        if a.attrs.get("along") in self.cut:  # it tells of what lies before the next value there
+            return
         sizes, others = row_sizes(self.left, name), row_sizes(self.right, name)
         if sizes is not None and others is not None and sizes.name == others.name:
             yield from self._of_rows(name, sizes, others)

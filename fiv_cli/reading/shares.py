@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.notation.tables import plain_table
@@ -40,6 +43,45 @@ def shares(dataset: xr.Dataset) -> dict[str, Any]:
     }
 
 
+def as_csv(dataset: xr.Dataset) -> str:
+    """A row for each class that starts of one label reach at a point: its share, and the error.
+
+    What all of a sample reach, or none, has no error: there is no scatter that would tell it.
+
+    Raises
+    ------
+    UsageError : there are neither random starts nor lattices of them
+    """
+    drawn = _families(dataset)
+    every = drawn | _lattices(dataset)
+    if not every:
+        raise UsageError(
+            "no random starts here, nor a lattice of starts, of which shares would be told\n"
+            "next: fiv kinds random"
+        )
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    axes = [str(n) for one in every.values() for n, axis in _axes(one).items() if axis.size > 1]
+    axes = [*dict.fromkeys(axes)]
+    writer.writerow(["initial", *axes, "class", "share", ERROR, "starts"])
+    for label, reached in every.items():
+        places = [_spread(_axes(reached)[n], _points(reached)) for n in axes]
+        for name, each in _of_classes(reached, label in drawn).items():
+            for *place, (share, error, size) in zip(*places, each, strict=True):
+                told = error if error > 0.0 else ""
+                writer.writerow([label, *place, name, share, told, size])
+    return table.getvalue()
+
+
+def _points(reached: xr.DataArray) -> xr.DataArray:
+    """The points of the grid from each of which starts begin."""
+    return reached.isel(initial=0, drop=True)
+
+
+def _axes(reached: xr.DataArray) -> dict[str, xr.DataArray]:
+    return {str(name): axis for name, axis in _points(reached).coords.items()}
+
+
 def at_each_point(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
     """The same label -> name -> value of the axes and, of each class, its `Share`.
 
@@ -47,9 +89,9 @@ def at_each_point(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
     """
     rows, drawn = {}, _families(dataset)
     for label, reached in (drawn | _lattices(dataset)).items():
-        points = reached.isel(initial=0, drop=True)
+        points = _points(reached)
         if 1 < points.size <= MOST_POINTS:
-            axes = {str(n): axis for n, axis in points.coords.items() if axis.size > 1}
+            axes = {n: axis for n, axis in _axes(reached).items() if axis.size > 1}
             columns = {n: _spread(axis, points) for n, axis in axes.items()}
             columns |= _of_classes(reached, label in drawn)
             rows[label] = [
@@ -68,7 +110,7 @@ def of_cycles(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
     rows: dict[str, list[dict[str, Any]]] = {}
     for label, reached in _families(dataset).items():
         family = dataset.sel(initial=reached["initial"])
-        points = reached.isel(initial=0, drop=True)
+        points = _points(reached)
         for place in range(points.size if points.size <= MOST_POINTS else 0):
             index = dict(zip(points.dims, np.unravel_index(place, points.shape), strict=True))
             one = family.isel(index)
