@@ -3291,7 +3291,10 @@ def test_of_several_files_no_branch_that_a_diagram_takes_is_blamed_for_another(s
     for files in (asked, [*asked[2::-1], *asked[3:]]):
         with pytest.raises(UsageError, match=r"not written: apart\.nc: nothing that a bif"):
             run(plot_command, *files)
-    assert run(plot_command, *asked[:2], *asked[3:]).exit_code == 0
+    named = run(plot_command, *asked[:2], *asked[3:], "--label", "sweep", "--label", "cycles")
+    told = "--label cycles: not in the figure bifurcation; lines drawn over those of another file"
+    assert named.exit_code == 0 and told in named.stderr
+    assert "--label" not in run(plot_command, *asked[:2], *asked[3:]).stderr
 
 
 def test_a_diagram_refuses_what_gives_it_nothing(stored):

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 LINES_ALONE = (
     "the lines on the map alone; the map itself: fiv show FILE.nc --csv VARIABLE -o FILE.csv"
 )
+OWN_NAMES = "; lines drawn over those of another file have names of their own"
 SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
 
 
@@ -249,6 +250,8 @@ def _of_files(
     for default, sources, figure in _asked(files, names, called):
         try:
             drawn.append((default, _drawn(sources, figure, look)))
+            for name in _unsaid(drawn[-1][1], called if len(sources) > 1 else ()):
+                click.echo(f"--label {name}: not in the figure {figure.name}{OWN_NAMES}", err=True)
         except UsageError as error:
             which = default if len(sources) == 1 else f"figure {figure.name} of all files"
             left_out.append(type(error)(f"{which}: not written: {error}"))
@@ -262,6 +265,14 @@ def _of_files(
         if one not in undrawn:
             click.echo(one, err=True)
     return drawn
+
+
+def _unsaid(figure: Figure, names: Sequence[str]) -> list[str]:
+    """The names of files that stand nowhere in a figure."""
+    from matplotlib.text import Text
+
+    texts = " ".join(one.get_text() for one in figure.findobj(Text)).replace("\n", " ")
+    return [name for name in names if name not in texts]
 
 
 def _asked(
