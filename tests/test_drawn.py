@@ -25,7 +25,7 @@ def figure(kind, **settings):
     return FigureSpec(kind, kind, settings)
 
 
-SHOWN = ("near", "far", "far, undecided")
+SHOWN = ("near", "far", "far, values where undecided")
 
 
 def table(drawn):
@@ -117,7 +117,7 @@ def test_values_that_are_classes_are_told_in_words():
 def test_every_member_of_random_starts_has_its_points_though_the_legend_has_one_entry():
     found = data.bifurcation().assign_coords(initial=["any-000", "any-001"])
     rows = table(draw(found, figure("bifurcation")))
-    told = [points(rows, series) for series in ("any", "any, undecided")]
+    told = [points(rows, series) for series in ("any", "any, values where undecided")]
     assert sum(map(len, told)) == found.sizes["section_obs"]
 
 

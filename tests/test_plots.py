@@ -78,7 +78,9 @@ def legend_texts(owner):
 def test_a_bifurcation_diagram_has_a_dot_for_every_section_value():
     dataset = data.bifurcation()
     (ax,) = draw(dataset, figure("bifurcation")).axes
-    near, far, pale = (marks(ax, label) for label in ("near", "far", "_far, undecided"))
+    near, far, pale = (
+        marks(ax, label) for label in ("near", "far", "_far, values where undecided")
+    )
     passed = [*near[:, 1], *far[:, 1], *pale[:, 1]]
     assert sorted(passed) == sorted(dataset["section_value"].values)
     assert {*pale[:, 0]} == {dataset["Omega"].values[10]}  # which has no class
@@ -131,8 +133,8 @@ def test_points_without_answer_are_marked(kind):
     (ax,) = draw(data.bifurcation(), figure(kind)).axes
     assert marks(ax, "failed: far")[:, 0] == pytest.approx([2.5])
     assert marks(ax, "undecided: far")[:, 0] == pytest.approx([1.5])
-    hollow = {"value of an undecided motion"} if kind == "curve" else set()
-    assert {"failed: far", "undecided: far", "near", "far"} | hollow == set(legend_texts(ax))
+    value = "value of an undecided motion" if kind == "curve" else "values where undecided"
+    assert {"failed: far", "undecided: far", "near", "far", value} == set(legend_texts(ax))
 
 
 def test_marks_of_points_without_answer_have_the_colour_of_their_line_or_none():
@@ -359,7 +361,8 @@ def test_the_dots_of_one_start_have_an_entry_where_there_is_a_legend():
     assert len(marks(ax, "start: near")) == data.bifurcation()["section_row_size"][:, 0].sum()
     assert not draw(data.bifurcation(), near).findobj(Legend)
     far = draw(data.bifurcation(), figure("bifurcation", select={"initial": "far"})).axes[0]
-    assert {*legend_texts(far)} == {"start: far", "failed", "undecided"}
+    told = {"start: far", "failed", "undecided", "values where undecided"}
+    assert {*legend_texts(far)} == told
 
 
 def test_each_start_has_a_mark_that_shows_through_the_next():

@@ -34,6 +34,7 @@ CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud 
 FINER = 0.3  # share of its size that a mark has in a crowd, and where it is undecided
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
+UNSETTLED = "values where undecided"
 PALE = 0.4  # what has no class may be on its way yet
 BEYOND = 0.05  # of its length: what is seen beyond an axis
 # Of changes of cycles: full, since the hollow marks are those of starts.
@@ -205,6 +206,8 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
         _mark_rests(ax, cloud, entry, size, sorts, resting)
     if apart.size:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
+    if any(one.undecided.any() for one in clouds):
+        ax.plot([], [], ".", mew=0.0, color=style.BLACK, alpha=PALE, label=UNSETTLED)
 
 
 def _mark_values(
@@ -217,7 +220,7 @@ def _mark_values(
     mark, small = (style.mark_of(entry.number, sorts, one) for one in (size, FINER * size))
     dot = style.mark_of(0, 1, fine)
     look: dict[str, Any] = {"color": entry.colour, "ls": "none", "rasterized": many}
-    among, open_ = points.unlisted(entry.label), points.unlisted(entry.label, "undecided")
+    among, open_ = points.unlisted(entry.label), points.unlisted(entry.label, UNSETTLED)
     for part, shape, alpha, label in (
         (~crowded & ~undecided, mark, None, entry.label),
         (~crowded & undecided, small, PALE, open_),
