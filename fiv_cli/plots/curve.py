@@ -214,7 +214,8 @@ def _each_named(ax: Axes, curve: _Curve, entry: points.Entry) -> Iterator[points
     if len(curve.names) < 2:
         yield entry
         return
-    ax.plot([], [], ls=entry.dash, color=entry.colour, label=entry.label, **curve.mark)
+    look = {**curve.mark, **({"marker": "None"} if _marked_where_seen(ax, curve.y) else {})}
+    ax.plot([], [], ls=entry.dash, color=entry.colour, label=entry.label, **look)
     for number, name in enumerate(curve.names):
         before = {*ax.get_children()}
         yield replace(entry, label=points.unlisted(name))

@@ -132,9 +132,10 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
         for place in places:
             label = points.unlisted("modes merge", whose)
             ax.axvline(place, color=style.GREY, ls=dash, lw=1.0, zorder=1, label=label)
-    if any(map(len, found.values())):
-        ls = ":" if alike else "-"
-        ax.plot([], [], color=style.GREY, ls=ls, lw=1.0, label="modes merge")
+    merging = [whose for whose, places in told if len(places)]
+    if merging:
+        ls, whose = ":" if alike else "-", f": {merging[0]}" * (len(merging) == 1 and not alike)
+        ax.plot([], [], color=style.GREY, ls=ls, lw=1.0, label=f"modes merge{whose}")
 
 
 def _places(merging: xr.DataArray, x: np.ndarray) -> np.ndarray:
