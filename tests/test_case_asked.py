@@ -275,6 +275,7 @@ def test_a_curve_is_narrowed_to_a_class_that_stands_beside_its_values() -> None:
         ("v = [1, 2]\nk = [3, 4]", ("at = { k = 3 }",), ""),
         ("v = [1, 2]\nk = [3, 4, 5]", ('at = { k = ". >= 4" }',), "v, k"),
         ("v = [1, 2]\nk = [3, 4]", (MEAN,), ""),
+        ("v = [1, 2]\n'initial.x' = [3, 4]", (MEAN.replace('"v"', '"initial.x"'),), ""),
         ("v = [1, 2]", ("at = { v = 2 }",), "none"),
         ("v = [1]", (), "none"),
     ],

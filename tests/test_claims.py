@@ -20,7 +20,7 @@ from fiv_cli import api
 from fiv_cli.case.kinds import CLAIMS
 from fiv_cli.cli.claims import Entry, case_files, command, lines
 from fiv_cli.cli.main import run as fiv
-from fiv_cli.errors import UsageError
+from fiv_cli.errors import CaseError, UsageError
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import (
     CONFIRMED,
@@ -331,6 +331,21 @@ def test_of_values_that_may_be_off_a_verdict_holds_wherever_they_lie(pairs, expe
     exact = {tried(boundary(v, [0, 0]), "boundary", expect, take=take).verdict for v in may_be}
     assert {told} == exact or told == UNDETERMINED
     assert take or {told} == exact or len(exact) > 1
+
+
+@pytest.mark.parametrize(
+    ("what", "errors", "verdict"),
+    [
+        ("least", [0.01, 5.0], CONFIRMED),
+        ("least", [0.01, 9.5], UNDETERMINED),
+        ("greatest", [8.5, 0.01], CONFIRMED),
+    ],
+)
+def test_what_is_least_may_be_off_by_its_own_error(what, errors, verdict):
+    """Or by that of another that may be less."""
+    expect = {"value": {"least": 1.0, "greatest": 10.0}[what], "tolerance": 0.02}
+    found = boundary([1.0, 10.0], errors)
+    assert tried(found, "boundary", expect, take={**LEAST, "what": what}).verdict == verdict
 
 
 def test_a_place_along_one_axis_is_held_against_the_values_of_another():
@@ -895,6 +910,12 @@ def test_folders_stand_for_the_cases_in_them(tmp_path):
         empty = tmp_path / "empty"
         empty.mkdir()
         case_files([empty])
+
+
+def test_a_case_that_is_no_toml_is_told_where(tmp_path):
+    (tmp_path / "twice.toml").write_text("schema = 1\n[grid]\nv = [1]\n[grid]\n")
+    with pytest.raises(CaseError, match="invalid TOML"):
+        CliRunner().invoke(command, [str(tmp_path / "twice.toml")], catch_exceptions=False)
 
 
 def test_the_ledger_groups_by_case():

@@ -164,6 +164,7 @@ def test_a_command_that_is_none_but_a_kind(
 def test_words_of_the_field_lead_to_the_variables_they_mean_here() -> None:
     known = ["L_s", "response_frequency", "lyapunov"]
     assert variable_meant("dominant_frequency", known) == "here it is 'response_frequency'"
+    assert variable_meant("event_kind", ["event_from"]) == "here it is 'event_from'"
     assert variable_meant("Lyapunov exponent", known) == "here it is 'lyapunov'"
     assert variable_meant("stability", ["branch_stable"]) == "here it is 'branch_stable'"
     assert variable_meant("equilibrium", ["L_s_reference"]) == "here it is 'L_s_reference'"

@@ -10,7 +10,7 @@ import pytest
 import synthetic_datasets as data
 import xarray as xr
 from click.testing import CliRunner
-from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.collections import LineCollection, PolyCollection, QuadMesh
 from matplotlib.colors import BoundaryNorm, LogNorm, to_hex
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
@@ -2268,12 +2268,13 @@ def test_sticks_of_other_contacts_are_marked_where_none_is_asked_for(kind):
     states[:, 1] = held[0]
     dataset["contact_state"] = states
     told = {}
-    for asked in (None, 1, 2):
-        settings = {} if asked is None else {"contact": asked}
+    for asked in (None, 1, 2, (1, 2)):
+        settings = {} if asked is None else {"contact": [*np.atleast_1d(asked).tolist()]}
         (legend,) = draw(dataset, figure(kind, variable="phi", **settings)).legends
         told[asked] = [text.get_text() for text in legend.get_texts()]
     assert "contact 2 sticks" in told[None] and "contact 1 sticks" not in told[None]
     assert not any("sticks" in word for word in told[1] + told[2])
+    assert told[1, 2] == told[None]
 
 
 @pytest.mark.parametrize("kind", ["map", "curve"])
@@ -3564,9 +3565,11 @@ def test_a_dense_lattice_of_starts_has_no_seams_between_its_cells():
     told = [codes[names.index(name)] for name in ("equilibrium", "periodic")]
     found["attractor"] = found["attractor"].copy(data=np.where(inside, *told)[None])
     drawn = draw(found, figure("basin"))
-    sizes = [one.get_sizes()[0] for one in drawn.axes[0].collections if len(one.get_offsets())]
-    width = drawn.axes[0].bbox.width / drawn.dpi * 72.0
-    assert sizes and all(size**0.5 >= 0.95 * width / 100 for size in sizes)
+    cells = [one for one in drawn.axes[0].collections if isinstance(one, PolyCollection)]
+    sides = [np.ptp(path.vertices, axis=0) for one in cells for path in one.get_paths()]
+    assert len(sides) == 9000 and np.allclose(sides, [6.0 / 99.0, 6.0 / 89.0])
+    rows = as_csv(drawn, Path("a.csv")).splitlines()
+    assert len(rows) == 9001  # each start once
 
 
 def test_a_mark_of_one_gap_alone_is_drawn():

@@ -112,6 +112,15 @@ def test_values_of_any_number_per_point_stand_beside_their_points():
     assert counted == first.tolist()
 
 
+def test_points_without_any_of_their_values_are_told():
+    found = data.bifurcation()
+    resting = found["Omega"].values[(found["section_row_size"] == 0).sel(initial="far").values]
+    at = {"Omega": [float(one) for one in resting], "initial": "far"}
+    told = without_row({"": found}, ["section_value"], at)
+    assert told.startswith(f"no values at any of these {len(resting)} points: ")
+    assert without_row({"": found}, ["section_value"], {}) == ""
+
+
 def test_what_a_point_has_one_of_stands_beside_its_values_of_any_number():
     """And once where it has none; values of another number have a table of their own."""
     found = data.bifurcation()

@@ -75,7 +75,7 @@ class Places:
         narrowed = {
             self.leads.get(name, name)
             for name, axis in self.grid.items()
-            if axis.dim in over or len(_met(axis, at.get(name, list(axis.values)))) == 1
+            if name in over or len(_met(axis, at.get(name, [*axis.values]))) == 1
         }
         numeric = [name for name, axis in self.grid.items() if axis.kind in NUMERIC]
         every = dict.fromkeys(self.leads.get(name, name) for name in numeric)

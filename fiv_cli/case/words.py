@@ -53,6 +53,7 @@ _VARIABLES = {
     "eigenfrequency eigenfrequencies frequencies imaginarypart": "mode_frequency",
     "damping dampingratio": "damping_ratio",
     "poincare section": "section_value",
+    "eventkind eventtype eventstate event events transition": "event_from event_to",
     "equilibrium equilibria steadysliding slidingequilibrium restposition": "L_s_reference",
     "stability stable linearstability": "stable branch_stable",
     "flutterfrequency onsetfrequency squealfrequency": "growth_frequency unstable_frequency",

@@ -155,7 +155,10 @@ def _without_its_model(path: Path) -> Entry | None:
     from fiv_cli.own.load import files_with
     from fiv_cli.reading.claims import NOT_RUN
 
-    model = parse_toml(path.read_text(encoding="utf-8")).get("model")
+    try:
+        model = parse_toml(path.read_text(encoding="utf-8")).get("model")
+    except ValueError:
+        return None
     name = model.get("name") if isinstance(model, dict) else None
     if (
         not isinstance(name, str)

@@ -12,6 +12,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.collections import PolyCollection
 
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 STARTS = "initial_state"
 FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
-OVER = 1.25  # a cell, so that no seam is seen
+SEAM = 0.2  # pt, around a cell, so that none is seen
 DENSE = 4.0  # of the size of a mark: a cell of a lattice that is smaller is filled
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))  # of a cell
 STAR = 8.0  # size of the mark of an equilibrium, pt
@@ -160,34 +161,43 @@ def _scatter(
     """The starts of one panel, and where they rest; the legend says what is `told` of classes."""
     x, y = (part[STARTS].sel(state=name).values for name in names)
     size = 4.0 * style.dot_size(len(x)) * min(1.0, ax.bbox.width / ax.figure.dpi / style.PANEL[0])
-    cell = _cell(ax, x, y)
-    if cell.min() ** 2 < DENSE * size:  # cells without seams in place of marks
-        size, filled = (OVER * cell.max()) ** 2, np.array(CORNERS) * cell / cell.max()
-        looks = {name: {**look, "marker": filled} for name, look in looks.items()}
+    filled = _is_dense(ax, x, y, size)  # then cells without seams in place of marks
     for name, look in looks.items():
         mask, label = reached == name, _words(name)
         if not mask.any():
             continue
+        key = {**look, "marker": "s"} if filled else look
         starts = ax.scatter(
             x[mask], y[mask], size, zorder=3.0 - mask.mean(), lw=0.5, **look,
-            label=points.unlisted(label) if name in told else label,
-            rasterized=len(x) > style.MANY_MARKS,
+            label=points.unlisted(label) if name in told or filled else label,
+            rasterized=len(x) > style.MANY_MARKS, visible=not filled,
         )  # fmt: skip
         drawn.name_points(starts, part["initial"].values[mask].tolist())
-        if name in told:
-            ax.scatter([], [], lw=0.5, label=_told(name, told[name]), **look)
+        if filled:
+            cells = _cells(x, y, mask)
+            ax.add_collection(PolyCollection([*cells], color=look["color"], lw=SEAM, zorder=2.0))
+        if name in told or filled:
+            words = _told(name, told[name]) if name in told else label
+            ax.scatter([], [], lw=0.5, label=words, **key)
     rests = _rests(part.isel(initial=np.flatnonzero(reached == "equilibrium")), names)
     if rests.size:  # the starts beneath are seen through it
         ax.plot(*rests.T, "*", ms=STAR, mfc="none", mec=style.BLACK, mew=0.8, zorder=3.5,
                 label="where they rest")  # fmt: skip
 
 
-def _cell(ax: Axes, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Width and height of a cell of a lattice of starts, pt; infinite where they are none."""
+def _is_dense(ax: Axes, x: np.ndarray, y: np.ndarray, size: float) -> bool:
+    """Whether starts are a lattice of cells that are hardly larger than marks of a size, pt^2."""
     counts = np.array([np.unique(x).size, np.unique(y).size])
     if counts.prod() != x.size or counts.min() < 2:
-        return np.full(2, np.inf)
-    return np.asarray(np.array(ax.bbox.size) / ax.figure.dpi * style.POINTS / counts)
+        return False
+    cell = np.array(ax.bbox.size) / ax.figure.dpi * style.POINTS / counts
+    return bool(cell.min() ** 2 < DENSE * size)
+
+
+def _cells(x: np.ndarray, y: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Corners of the cells of some points of a lattice, shape (cells, 4, 2)."""
+    sides = np.array([np.ptp(every) / (np.unique(every).size - 1) for every in (x, y)])
+    return np.column_stack([x, y])[mask][:, None] + 0.5 * sides * np.array(CORNERS)
 
 
 def _motions(part: xr.Dataset, single: bool) -> np.ndarray:

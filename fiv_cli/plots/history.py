@@ -42,7 +42,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     every = [own for _, own in rows]
     contact = motion.named_contact(dataset, *every)
     words = motion.others_sticking(motions, *every)
-    others = [Patch(label=word, **OTHER_STICKS) for word in words]
+    key = {**OTHER_STICKS, "hatch": "/////"}  # as much of it as a key shows
+    others = [Patch(label=word, **key) for word in words]
     what = "range of samples" if all(map(_is_dense, motions)) else "samples"
     told = [*others, *motion.sampled(motions, names, what)]
     _legend(figure, axes, motion.states_present(motions, *every), told, contact)

@@ -263,12 +263,12 @@ def states_present(every: Sequence[Motion], *settings: points.Settings) -> list[
 def other_sticks(motion: Motion, settings: points.Settings) -> Iterator[tuple[int, float, float]]:
     """(contact, begin, end in s) of each stick of a contact that the colours are not about.
 
-    None where the figure says which one it is about.
+    None where the figure says which one it is about; of several that it names the first is.
     """
     known = motion.data["contact_state"].coords.get("contact")
-    if "contact" in settings or known is None or not known.ndim:
+    if known is None or not known.ndim:
         return
-    for contact in known.values.tolist()[1:]:
+    for contact in np.atleast_1d(settings.get("contact", known.values)).tolist()[1:]:
         for state, begin, end in contact_spans(motion, {**settings, "contact": contact}):
             if state == "stick":
                 yield contact, begin, end

@@ -56,16 +56,22 @@ def without_row(
 ) -> str:
     """How many of the points have no row in `as_csv`, with their reasons; "" where all have one.
 
-    Nor is it told where classes are chosen, or variables have values of any number at a point.
+    Nor is it told where classes are chosen; of variables with any number of values at a point it is
+    where there is none at all.
     """
     from xarray import ones_like
 
     dataset, told = _asked(analyses, names)
-    is_ragged = any(select.row_sizes(dataset, name) is not None for name in told)
-    if is_ragged or {*at} & {*dataset.data_vars}:
+    if {*at} & {*dataset.data_vars}:
         return ""
     part = select.subset(dataset, at, nearest=False)
-    points = part["status"]
+    points, sizes = part["status"], [select.row_sizes(part, name) for name in told]
+    ragged = [one for one in sizes if one is not None]
+    if ragged:
+        empty = not any(bool((one > 0).any()) for one in ragged)
+        of = part.get("attractor", part.get("reason", points))
+        classes = ", ".join(dict.fromkeys(class_names(of).ravel().tolist()))
+        return f"no values at any of these {points.size} points: {classes}" * empty
     lacking = ones_like(points, bool)
     for name in told:
         has_value = _in_words(part[name]).notnull()

@@ -85,9 +85,19 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
         interval = _relative(interval, take["relative_to"])
     if what in _MOVED and error_of(variable) in dataset:
         off = dataset[error_of(variable)].fillna(math.inf).where(array.notnull())
-        interval[f"{what}_error"] = _MOVED[what] * off.max(_dims(axes))
+        interval[f"{what}_error"] = _moved(what, numbers(array), off, _dims(axes))
     named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take, axes[0])}
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
+
+
+def _moved(what: str, array: xr.DataArray, off: xr.DataArray, dims: list[str]) -> xr.DataArray:
+    """How far what is taken may be off: an extreme, as far as it may lie where it is, or beside."""
+    if what not in ("least", "greatest"):
+        return _MOVED[what] * off.max(dims)
+    extreme = {"least": xr.DataArray.min, "greatest": xr.DataArray.max}[what]
+    found = extreme(array, dims)
+    below, above = (abs(extreme(array + sign * off, dims) - found) for sign in (-1.0, 1.0))
+    return below.where(below > above, above)
 
 
 def without_value(part: xr.Dataset, variable: str, take: Mapping[str, Any]) -> str:
