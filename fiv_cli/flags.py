@@ -79,7 +79,7 @@ REASONS: tuple[Reason, ...] = (
         "kinetic friction above static friction: raise mu_s or shorten the axis of mu_k",
     ),
     Reason("too_many_events", "raise solver.max_events, or lower t_max if the motion chatters"),
-    Reason("too_many_steps", "raise solver.max_steps, or loosen solver.rtol"),
+    Reason("too_many_steps", "raise solver.max_steps, or loosen solver.rtol (of rk4: solver.step)"),
     Reason("time_budget", "the motion had not settled at t_max: raise t_max"),
     Reason(
         "diverged",

@@ -3599,6 +3599,14 @@ def test_a_map_of_one_of_several_crossings_is_the_one_that_the_case_asks_for():
     assert "map" not in [one.kind for one in default_figures(critical)]
 
 
+def test_spectra_of_a_few_points_are_lines_unless_an_axis_is_asked_for():
+    few = data.spectra(labels=("far",), points=2)
+    (ax,) = draw(few, figure("spectrum")).axes
+    assert not ax.findobj(QuadMesh) and ax.get_xlabel().startswith("$f$")
+    axis = str(few["status"].dims[0])
+    assert draw(few, figure("spectrum", x=axis)).axes[0].findobj(QuadMesh)
+
+
 def test_figures_that_select_another_motion_are_not_drawn_of_this_one():
     asked = [
         figure("history", select={"v": 9.01}),

@@ -81,7 +81,8 @@ FIGURES = {
         ("x", "y", "variable", "contact", "window", "overlay"),
     ),
     "spectrum": (
-        "amplitudes over frequency; along an axis of numbers shades, frequency upright",
+        "amplitudes over frequency; along an axis of more than three numbers, or x, shades, "
+        "frequency upright",
         ("x", "variable", "window", "unit"),
     ),
     "spectrogram": ("amplitudes over time and frequency", ("variable", "unit", "resolution")),

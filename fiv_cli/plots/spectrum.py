@@ -38,6 +38,7 @@ FEWEST_SAMPLES = 16
 CLOSED = 1e-6  # share of its extent within which a motion that ends where it began has closed
 MARGIN = 1.05  # of the highest frequency that is shown
 LOG_DECADES = 6.0  # of amplitude on an axis of them
+FEW = 3  # spectra that are lines, though a parameter varies
 DECADES = 3.0  # of amplitude in a colour scale; what is less has its lowest colour
 
 
@@ -47,12 +48,13 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """Colours along a parameter, lines where none varies."""
+    """Colours along a parameter, lines where none varies or of a few points."""
     dataset = layers[0].dataset
     if STEADY not in dataset:
         return _draw_motions(dataset, settings)
     points.refuse_empty(dataset, bool(dataset[STEADY].notnull().any()), STEADY)
-    if any(select.is_numeric(axis) for axis in points.varying_axes(dataset)):
+    many = "x" in settings or dataset["status"].size > FEW
+    if many and any(select.is_numeric(axis) for axis in points.varying_axes(dataset)):
         return _draw_along(dataset, settings)
     return _draw_steady(dataset, settings)
 
