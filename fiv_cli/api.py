@@ -146,7 +146,7 @@ def check(case: Case) -> Plan:
     """
     from fiv_cli.sweep.plan import make_plan
 
-    return make_plan(case)
+    return make_plan(_loaded(case))
 
 
 def run(
@@ -196,7 +196,7 @@ def run(
     told = for_stderr(quiet=not progress) if isinstance(progress, bool) else progress
     with _computing(), _place(output) as path:
         policy = Policy(workers=workers, fresh=fresh, foresee=bool(progress))
-        run_case(case, path, policy, told)
+        run_case(_loaded(case), path, policy, told)
         return read(path)
 
 
@@ -243,7 +243,7 @@ def history(
     from fiv_cli.reading.datasets import read_analyses
     from fiv_cli.sweep.motion import find_point, motion_settings, steady_part, write_motion
 
-    point = find_point(case, {name: str(value) for name, value in (at or {}).items()})
+    point = find_point(_loaded(case), {name: str(value) for name, value in (at or {}).items()})
     settings, steady = motion_settings(t_end, sample), steady_part(periods, settled, t_end)
     with _computing(), _place(output) as path:
         write_motion(point, settings, path, lambda sentence: None, steady)
@@ -479,6 +479,7 @@ def claims(case: Case, data: str | Path | Results | None = None) -> list[Verdict
     """
     from fiv_cli.reading.claims import dataset_of, held_against
 
+    case = _loaded(case)
     if data is not None:
         return held_against(case, _readable(data))
     with _ALONE:
@@ -552,6 +553,18 @@ def analyse(
     with _computing():
         prepare([request], announce)
         return answer(request)
+
+
+def _loaded(case: Case) -> Case:
+    """The case; UsageError of what is none yet, as its file or its tables."""
+    from fiv_cli.case.case import Case as Loaded
+
+    if not isinstance(case, Loaded):
+        raise UsageError(
+            f"a case is asked for, and a {type(case).__name__} is none\n"
+            "next: api.load(...) makes one of a file, or of the tables that it would hold"
+        )
+    return case
 
 
 def _setup(

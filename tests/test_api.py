@@ -413,3 +413,9 @@ def test_settings_that_no_case_may_have() -> None:
         api.analyse("belt-1dof", None, "spectrum", {}, wrong)
     paths = {problem.path for problem in caught.value.problems}
     assert paths == {f"settings.{name}" for name in ("tmax", "section.event", "observe", "f_max")}
+
+
+@pytest.mark.parametrize("ask", [api.run, api.check, api.history, api.claims])
+def test_what_is_no_case_yet_is_told_how_it_becomes_one(ask: Any) -> None:
+    with pytest.raises(api.UsageError, match=r"a dict is none\nnext: api\.load"):
+        ask({"schema": 1})

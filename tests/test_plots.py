@@ -2116,6 +2116,10 @@ def test_shares_are_a_table(tmp_path):
     share, error, count = map(float, rows[0][3:])
     assert error == pytest.approx(np.sqrt(share * (1.0 - share) / count))
     assert rows[1][3:] == ["1.0", "", "200"] and rows[3][3:] == ["0.0", "", "200"]
+    with pytest.raises(UsageError, match="--csv and --json: one of them"):
+        show_command.main(
+            [str(tmp_path / "a.nc"), "--csv", "shares", "--json"], standalone_mode=False
+        )
     data.bifurcation().to_netcdf(tmp_path / "b.nc")
     with pytest.raises(UsageError, match="no random starts here"):
         CliRunner().invoke(

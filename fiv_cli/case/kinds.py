@@ -240,7 +240,7 @@ law, an option of the model, the law itself (`fiv kinds friction`), or a state o
     [grid]
     Omega = { start = "10 rpm", stop = "80 rpm", num = 8 }       # both ends included
     mu_k = [0.2, 0.23]
-    "initial.phi_dot" = { start = 0.0, stop = 9.0, step = 0.5 }  # where the starts begin: basins
+    "initial.phi_dot" = { start = 0.0, stop = 9.0, step = 0.5 }  # of starts; off a rest, from it
 
 Axes that advance together, as one: [sweep] zip = [["Omega", "N0"]]. Points along the borders of
 classes only: `fiv kinds refine`.

@@ -75,6 +75,10 @@ def command(
     if chosen is not None and [*analyses] != [""]:
         following = f"fiv show {file}"
         analyses = {chosen: pick(chosen, analyses, "analysis", following)}
+    if columns is not None and as_json:
+        raise UsageError(
+            "--csv and --json: one of them\nnext: --csv NAME,... -o FILE.csv, or --json"
+        )
     if columns is not None:
         told, remark = _table(analyses, columns, at)
         if remark:
