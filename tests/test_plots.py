@@ -36,6 +36,7 @@ from fiv_cli.plots import (
     look_of,
     points,
     save,
+    smooth,
 )
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.bifurcation import FINEST
@@ -3601,6 +3602,20 @@ def test_a_map_of_one_of_several_crossings_is_the_one_that_the_case_asks_for():
     asked = figure("map", variable="critical_value", select={"crossing": 0})
     assert drawing.possible_figures(critical.assign_attrs(data.attributes(asked))) == [asked]
     assert "map" not in [one.kind for one in default_figures(critical)]
+
+
+def test_a_branch_is_round_at_its_folds():
+    """Through its points, and between them nearer to what it is than the chords."""
+    fold = np.linspace(-1.0, 1.0, 9)
+    x, y = smooth.along(fold**2, fold)
+    assert np.isin(fold, y).all() and x.size > 4 * fold.size
+    chords = np.interp(y, fold, fold**2)
+    inner = np.abs(y) < 0.75  # at its ends a spline knows one side alone
+    assert np.abs(x - y**2).max() < 0.5 * np.abs(chords - y**2).max()
+    assert np.abs(x - y**2)[inner].max() < 0.25 * np.abs(chords - y**2)[inner].max()
+    gap = np.where(fold == 0.0, np.nan, fold)
+    for line in (gap, fold[[0, 0, *range(1, 9)]]):  # nor where two are at one place
+        np.testing.assert_array_equal(smooth.along(line, line)[0], line)
 
 
 def test_spectra_of_a_few_points_are_lines_unless_an_axis_is_asked_for():

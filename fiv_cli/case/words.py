@@ -53,6 +53,8 @@ _VARIABLES = {
     "eigenfrequency eigenfrequencies frequencies imaginarypart": "mode_frequency",
     "damping dampingratio": "damping_ratio",
     "poincare section": "section_value",
+    "frictionforce tangentialforce contactforce": "F_T",
+    "normalforce normalload": "F_N",
     "eventkind eventtype eventstate event events transition": "event_from event_to",
     "equilibrium equilibria steadysliding slidingequilibrium restposition": "L_s_reference",
     "stability stable linearstability": "stable branch_stable",

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     metavar="NAME,...",
     help="Print variables as a table instead: a row for each value, its point beside it, in SI; "
     "'NAME[x]' is the column of one state or contact, 'NAME[*]' one of each; 'shares' are those of "
-    "random starts, or of a lattice, with their standard errors. Here --at takes classes, too.",
+    "random starts, with their standard errors, or of a lattice, without. Here --at takes "
+    "classes, too.",
 )
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path), metavar="FILE.csv", help="Where --csv goes."

@@ -17,7 +17,7 @@ import numpy as np
 
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import SECTION
-from fiv_cli.plots import branch, labels, points, style
+from fiv_cli.plots import branch, labels, points, smooth, style
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names, is_class, numbers
@@ -457,7 +457,8 @@ def _draw_cycles(
             if told not in [line.get_label() for line in ax.lines]:
                 ax.plot([], [], color=style.BLACK, label=told, **look)
             for height in heights:
-                ax.plot(x, height, color=colour, label=points.unlisted(place, told), **look)
+                line = smooth.along(x, height)
+                ax.plot(*line, color=colour, label=points.unlisted(place, told), **look)
         tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
         if at_section and tells:
             _mark_changes(ax, dataset, axis, layer, colours)

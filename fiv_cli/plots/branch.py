@@ -10,7 +10,7 @@ import matplotlib as mpl
 import numpy as np
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import labels, points, style
+from fiv_cli.plots import labels, points, smooth, style
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names
 
@@ -104,7 +104,7 @@ def _branch(
     for word, value, extremes, _ in pieces:
         for height in extremes:
             dash, told = DASHES.get(word, "-"), points.unlisted(entry.label, word)
-            ax.plot(value, height, dash, color=entry.colour, lw=wide, label=told)
+            ax.plot(*smooth.along(value, height), dash, color=entry.colour, lw=wide, label=told)
     draw_marks(ax, dataset, index, entry.colour, entry.label)
     ax.plot([], [], color=entry.colour, label=entry.label, **style.COLOUR_ALONE)
     return {piece.stability for piece in pieces}

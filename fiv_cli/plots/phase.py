@@ -12,7 +12,7 @@ import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from fiv_cli.plots import motion, points, style
+from fiv_cli.plots import motion, points, smooth, style
 from fiv_cli.reading import sampling
 
 if TYPE_CHECKING:
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 suits = motion.suits
-FEWEST_SMOOTH = 4  # samples of a stretch that a spline is put through
-FINER = 6
 WIDE = 0.3  # share of the extent of a curve on which a head is seen to lie along it
 OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": (0, (1, 1.5)), "lw": 2.0, "zorder": 3}
 
@@ -238,15 +236,4 @@ def _smooth(time: np.ndarray, path: np.ndarray) -> np.ndarray:
     """The path through its samples, smooth and without overshoot between any two events."""
     corners = np.flatnonzero(np.diff(time) <= 0.0) + 1
     pieces = zip(np.split(time, corners), np.split(path, corners), strict=True)
-    return np.concatenate([_spline(*piece) for piece in pieces])
-
-
-def _spline(time: np.ndarray, path: np.ndarray) -> np.ndarray:
-    if time.size < FEWEST_SMOOTH:
-        return path
-    from scipy.interpolate import Akima1DInterpolator
-
-    between = np.linspace(0.0, 1.0, FINER, endpoint=False)
-    fine = np.append((time[:-1, None] + between * np.diff(time)[:, None]).ravel(), time[-1])
-    smooth: np.ndarray = Akima1DInterpolator(time, path, method="makima")(fine)
-    return smooth
+    return np.concatenate([smooth.through(*piece) for piece in pieces])

@@ -475,7 +475,7 @@ def _sharpened(analysis: str, dataset: xr.Dataset, reached: xr.DataArray | None)
     if "width" not in settings:
         return "no setting of the analysis lessens it; allow for it in `expect`"
     if reached is not None and bool(wider_than_asked(dataset, settings, reached).any()):
-        return f"{beside(dataset)} of the analysis {called!r} lessens it; {BY_EIGENVALUES}"
+        return f"{BY_EIGENVALUES}; {beside(dataset)} of the analysis {called!r} lessens it"
     return f"a smaller `width` of the analysis {called!r} lessens it"
 
 

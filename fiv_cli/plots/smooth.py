@@ -1,0 +1,32 @@
+"""Lines through computed points that are as smooth as what they were computed of."""
+
+from __future__ import annotations
+
+import numpy as np
+
+FEWEST = 4  # points of a stretch that a spline is put through
+FEWEST_ALONG = 6  # ... of a line of which not even the places are known
+FINER = 6
+
+
+def through(places: np.ndarray, path: np.ndarray) -> np.ndarray:
+    """The path through points (points, values) at rising places, without overshoot between any."""
+    if places.size < FEWEST:
+        return path
+    from scipy.interpolate import Akima1DInterpolator
+
+    between = np.linspace(0.0, 1.0, FINER, endpoint=False)
+    fine = np.append((places[:-1, None] + between * np.diff(places)[:, None]).ravel(), places[-1])
+    smooth: np.ndarray = Akima1DInterpolator(places, path, method="makima")(fine)
+    return smooth
+
+
+def along(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same along a line that may turn back, as a branch does at its folds; not over gaps."""
+    path = np.column_stack([x, y])
+    extent = np.ptp(path, axis=0)
+    steps = np.linalg.norm(np.diff(path, axis=0) / np.where(extent > 0.0, extent, 1.0), axis=1)
+    if len(path) < FEWEST_ALONG or not (steps > 0.0).all():
+        return x, y
+    smooth_x, smooth_y = through(np.append(0.0, np.cumsum(steps)), path).T
+    return smooth_x, smooth_y
