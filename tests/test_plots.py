@@ -3613,6 +3613,10 @@ def test_a_branch_is_round_at_its_folds():
     inner = np.abs(y) < 0.75  # at its ends a spline knows one side alone
     assert np.abs(x - y**2).max() < 0.5 * np.abs(chords - y**2).max()
     assert np.abs(x - y**2)[inner].max() < 0.25 * np.abs(chords - y**2)[inner].max()
+    steep = np.array([0.0, 1e-9, 1e-9, 3e-9, 2e-9, 1e-9, 1.0])  # as of a branch that stands upright
+    heights = np.array([0.0, 1.0, 2.0, 2.5, 2.8, 2.87, 2.871])
+    _, drawn = smooth.along(steep + 1e-12 * np.arange(7), heights)
+    assert (np.diff(drawn) >= 0.0).all() and drawn.max() == heights.max()
     gap = np.where(fold == 0.0, np.nan, fold)
     for line in (gap, fold[[0, 0, *range(1, 9)]]):  # nor where two are at one place
         np.testing.assert_array_equal(smooth.along(line, line)[0], line)

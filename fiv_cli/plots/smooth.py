@@ -22,11 +22,16 @@ def through(places: np.ndarray, path: np.ndarray) -> np.ndarray:
 
 
 def along(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same along a line that may turn back, as a branch does at its folds; not over gaps."""
+    """The same along a line of a branch, between whose points nothing is known: not over gaps, and
+    nowhere beyond the two points that it lies between."""
     path = np.column_stack([x, y])
     extent = np.ptp(path, axis=0)
     steps = np.linalg.norm(np.diff(path, axis=0) / np.where(extent > 0.0, extent, 1.0), axis=1)
     if len(path) < FEWEST_ALONG or not (steps > 0.0).all():
         return x, y
-    smooth_x, smooth_y = through(np.append(0.0, np.cumsum(steps)), path).T
-    return smooth_x, smooth_y
+    before, after = (
+        np.repeat(end(path[:-1], path[1:]), FINER, axis=0) for end in (np.minimum, np.maximum)
+    )
+    smooth = through(np.append(0.0, np.cumsum(steps)), path)
+    smooth[:-1] = np.clip(smooth[:-1], before, after)
+    return smooth[:, 0], smooth[:, 1]
