@@ -238,6 +238,8 @@ def test_chaos_agrees_within_what_its_window_leaves_open(error: float, same: boo
         for one in (dataset(), changed("L_s", (1, 1), 5.0))
     ]
     assert (differences(sides[1], left=sides[0]) == []) is same
+    strict = Tolerances(standard_errors=0.0)  # of a file, and of regression sweeps
+    assert [one.what for one in differences(sides[1], strict, left=sides[0])] == ["L_s"]
     periodic = changed("L_s", (0, 0), 1.01).assign(L_s_standard_error=sides[0].L_s_standard_error)
     assert [one.what for one in differences(periodic, left=sides[0])] == ["L_s"]
 
@@ -342,6 +344,11 @@ def test_analyses_are_compared_by_name() -> None:
     assert (found.what, found.text) == ("b", "only in the second dataset")
     (found_inside,) = compare({"a": dataset()}, {"a": changed("L_s", (0, 0), 9.0)}, Tolerances())
     assert found_inside.what == "a/L_s"
+
+
+def test_a_file_says_how_closely_chaos_is_compared(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text("[default]\nrtol = 1e-9\n")
+    assert read_tolerances(tmp_path / "a.toml").standard_errors == 0.0
 
 
 def test_tolerances_are_read_from_toml(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
     Then how many points have come from which class into which; then, of numbers, the worst where
     both are of the same class, equilibrium or periodic (relative 1e-6 unless --tolerances says
     otherwise); quasi-periodic and chaotic motions are compared by L_s, mean powers and shares of
-    time only, to 10 % ([sampled]) or four of the standard errors that both tell.
+    time only, to 10 % ([sampled]) or, without --tolerances, four of their standard errors.
 
     \b
     Examples:
@@ -74,9 +74,10 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
 
 def _sampled(chosen: Tolerances) -> str:
     """How closely motions that do not repeat are compared."""
+    by_chance = " or four standard errors" if chosen.standard_errors else ""
     return (
         "; of quasi-periodic and chaotic motions L_s, mean powers and shares of time alone, within "
-        f"{chosen.sampled.rtol:.0%} or four standard errors, shares within {chosen.sampled.atol:g} "
+        f"{chosen.sampled.rtol:.0%}{by_chance}, shares within {chosen.sampled.atol:g} "
         "more"
     )
 

@@ -159,7 +159,7 @@ def _differences(sweep: Sweep, output: Path) -> list[Difference]:
             f"{sweep.reference}: missing\nnext: `fiv regress {sweep.folder} --regenerate`"
         )
     own = sweep.tolerances
-    tolerances = read_tolerances(own) if own.exists() else Tolerances()
+    tolerances = read_tolerances(own) if own.exists() else Tolerances(standard_errors=0.0)
     return compare(read_analyses(sweep.reference), read_analyses(output), tolerances)
 
 

@@ -65,12 +65,15 @@ class Tolerances:
         of these shares alone, which are of order one
     variables : name -> its own
     ignore : names that are not compared
+    standard_errors : how many combined ones two values of the same chaos may lie apart, where both
+        sides tell theirs; 0 where a file says how closely they are compared
     """
 
     default: Tolerance = Tolerance()
     sampled: Tolerance = Tolerance(rtol=0.1, atol=0.02)
     variables: Mapping[str, Tolerance] = field(default_factory=dict)
     ignore: tuple[str, ...] = ()
+    standard_errors: float = 4.0
 
     def of(self, name: str) -> Tolerance:
         """The tolerance of a variable."""
@@ -87,8 +90,6 @@ REDRAWN = (
     "random starts are drawn anew at other parameters: shares of them can be compared, not one "
     "with another (fiv show: shares)"
 )
-STANDARD_ERRORS = 4.0
-"""How many combined standard errors two computations of the same chaos may lie apart."""
 PLACES = 100
 """How many stretches of points that have come into another class are named."""
 
@@ -159,7 +160,8 @@ def _tolerances(table: Mapping[str, Any]) -> Tolerances:
         raise ValueError(f"unknown key {sorted(unknown)[0]!r}")
     own = {name: Tolerance(**entry) for name, entry in table.get("variables", {}).items()}
     general = {name: Tolerance(**table[name]) for name in ("default", "sampled") if name in table}
-    return Tolerances(**general, variables=own, ignore=tuple(table.get("ignore", ())))
+    ignore = tuple(table.get("ignore", ()))
+    return Tolerances(**general, variables=own, ignore=ignore, standard_errors=0.0)
 
 
 def compare(
@@ -375,7 +377,7 @@ class _Pair:
         if any(one is None or one.shape != x.shape for one in told):
             return np.zeros(x.shape, bool)
         combined = np.hypot(*(one.values for one in told if one is not None))
-        return np.asarray(np.abs(x - y) <= STANDARD_ERRORS * combined)
+        return np.asarray(np.abs(x - y) <= self.tolerances.standard_errors * combined)
 
     def _of_classes(self, name: str, x: Array, y: Array, bad: Mask) -> Difference:
         """Which class became which, at how many points."""
