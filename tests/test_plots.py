@@ -3622,6 +3622,18 @@ def test_a_branch_is_round_at_its_folds():
         np.testing.assert_array_equal(smooth.along(line, line)[0], line)
 
 
+def test_a_table_has_the_points_of_a_branch_that_is_drawn_smooth():
+    fold = np.linspace(-1.0, 1.0, 9)
+    figure_ = Figure()
+    ax = figure_.subplots()
+    smooth.draw(ax, fold**2, fold, "_stable", color="k", ls="--")
+    hidden, shown = ax.lines
+    assert not hidden.get_visible() and len(shown.get_xdata()) > 4 * fold.size
+    rows = [row.split(",") for row in as_csv(figure_, Path("a.csv")).splitlines()[1:]]
+    assert [float(row[7]) for row in rows] == fold.tolist()
+    assert {row[4] for row in rows} == {"stable"}
+
+
 def test_spectra_of_a_few_points_are_lines_unless_an_axis_is_asked_for():
     few = data.spectra(labels=("far",), points=2)
     (ax,) = draw(few, figure("spectrum")).axes

@@ -457,8 +457,7 @@ def _draw_cycles(
             if told not in [line.get_label() for line in ax.lines]:
                 ax.plot([], [], color=style.BLACK, label=told, **look)
             for height in heights:
-                line = smooth.along(x, height)
-                ax.plot(*line, color=colour, label=points.unlisted(place, told), **look)
+                smooth.draw(ax, x, height, points.unlisted(place, told), color=colour, **look)
         tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
         if at_section and tells:
             _mark_changes(ax, dataset, axis, layer, colours)

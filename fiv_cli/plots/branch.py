@@ -103,8 +103,9 @@ def _branch(
     wide = mpl.rcParams["lines.linewidth"] * (1 + min(after, MOST_BENEATH))
     for word, value, extremes, _ in pieces:
         for height in extremes:
-            dash, told = DASHES.get(word, "-"), points.unlisted(entry.label, word)
-            ax.plot(*smooth.along(value, height), dash, color=entry.colour, lw=wide, label=told)
+            told = points.unlisted(entry.label, word)
+            look = {"ls": DASHES.get(word, "-"), "color": entry.colour, "lw": wide}
+            smooth.draw(ax, value, height, told, **look)
     draw_marks(ax, dataset, index, entry.colour, entry.label)
     ax.plot([], [], color=entry.colour, label=entry.label, **style.COLOUR_ALONE)
     return {piece.stability for piece in pieces}

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+
+from fiv_cli.plots.drawn import DECORATION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 FEWEST = 4  # points of a stretch that a spline is put through
 FEWEST_ALONG = 6  # ... of a line of which not even the places are known
@@ -10,7 +17,7 @@ FINER = 6
 
 
 def through(places: np.ndarray, path: np.ndarray) -> np.ndarray:
-    """The path through points (points, values) at rising places, without overshoot between any."""
+    """The path through points (points, values) at rising places, with little overshoot."""
     if places.size < FEWEST:
         return path
     from scipy.interpolate import Akima1DInterpolator
@@ -19,6 +26,15 @@ def through(places: np.ndarray, path: np.ndarray) -> np.ndarray:
     fine = np.append((places[:-1, None] + between * np.diff(places)[:, None]).ravel(), places[-1])
     smooth: np.ndarray = Akima1DInterpolator(places, path, method="makima")(fine)
     return smooth
+
+
+def draw(ax: Axes, x: np.ndarray, y: np.ndarray, label: str, **look: Any) -> None:
+    """Draw a line of a branch; a table of the figure has its points, as they were computed."""
+    line = along(x, y)
+    is_another = line[0] is not x
+    ax.plot(x, y, label=label, visible=not is_another, **look)
+    if is_another:
+        ax.plot(*line, label=DECORATION, **look)
 
 
 def along(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
