@@ -129,13 +129,16 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
 def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
     """The same (panel, line), with one in place of a few that would hide one another."""
+    if len(drawn) > points.MOST_ENTRIES_IN_COLUMN:
+        return [*drawn]
     groups: list[list[tuple[int, _Curve]]] = []
-    for place, one in drawn if len(drawn) <= points.MOST_ENTRIES_IN_COLUMN else ():
+    for place, one in drawn:
         alike = (own for own in groups if own[0][0] == place and one.hides(own[0][1]))
-        group = next(alike, [])
-        group.append((place, one))
-        groups += [group] * (len(group) == 1)
-    return [line for group in groups for line in _as_one(group)] or [*drawn]
+        if (group := next(alike, None)) is None:
+            groups.append([(place, one)])
+        else:
+            group.append((place, one))
+    return [line for group in groups for line in _as_one(group)]
 
 
 def _as_one(group: list[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
