@@ -75,7 +75,7 @@ def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
     (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
     assert figure in figures_of(branches)
     (ax,) = draw(branches, figure).axes
-    drawn = [line for line in ax.lines if len(line.get_xdata())]
+    drawn = [line for line in ax.lines if line.get_visible() and len(line.get_xdata())]
     dashes = [line.get_linestyle() for line in drawn if line.get_marker() == "None"]
     assert dashes == ["-", "-", "--", "--"] * 2  # least and greatest value of two branches
     grazing = [line for line in drawn if line.get_marker() == "X"]
