@@ -19,6 +19,7 @@ import sweep_fakes
 from fiv_cli import files
 from fiv_cli.data.course import Course
 from fiv_cli.data.hdf5 import read_attributes
+from fiv_cli.data.log import runs_in
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageError
 from fiv_cli.sweep import journal
@@ -693,6 +694,34 @@ def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
     few = Course(1000, [0.0, 90.0], [0, 45])
     alike = "90 s elapsed, 0.5 points/s, some 32 min to go, were the others alike"
     assert few.pace(90.0) == alike
+
+
+def test_a_rate_is_that_of_its_analysis() -> None:
+    """Eigenvalues, a thousand a second, say nothing of the motions after them."""
+    course = Course(1200, [0.0], [0])
+    course.turn("eigenvalues", 200)
+    course.note(0.5, 500)
+    assert course.pace(30.0).startswith("30 s elapsed, 17 points/s, some 30 s to go in eigenvalues")
+    course.note(31.0, 500)
+    assert course.pace(31.0) == "31 s elapsed, 32 points/s"  # that analysis is done
+    course.turn("response", 0)
+    assert course.pace(61.0) == "61 s elapsed"
+    course.note(71.0, 50)
+    assert course.pace(71.0) == "71 s elapsed, 1.2 points/s, some 2 min to go"
+
+
+def test_a_log_says_which_analysis_came_how_far(tmp_path: Path) -> None:
+    log = (
+        "fiv 0: fiv run a.toml; 0 of 30 points done",
+        "fixed: 20 points in 0.1 s, 0 failed, 20 of 30 points done; slowest 0 s at a=1,initial=b",
+        "point 3: no: 1 of 2 points",
+        "driven: 5 points in 9 s, 1 failed, 25 of 30 points done; slowest 1 s at a=1",
+    )
+    stamp = "2026-01-01T00:00:{:02d}.000+00:00"
+    lines = (f"{stamp.format(10 * number)} {line}\n" for number, line in enumerate(log))
+    (tmp_path / "run.log").write_text("".join(lines))
+    (told,) = runs_in(tmp_path)
+    assert (told.course.name, told.course.since, told.course.counts) == ("driven", 1, [0, 20, 25])
 
 
 def test_lines_come_whether_anything_happens_or_not(monkeypatch: pytest.MonkeyPatch) -> None:

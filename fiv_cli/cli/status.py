@@ -45,8 +45,9 @@ class Standing:
     answers : what each analysis has found so far
     refined : of each refined analysis, in a line, how much of it was run
     stored_case_differs : how what is stored differs from the case; then it is not counted
-    elapsed, rate, left : of a live run, or else of the last one: seconds so far, points per second,
-        seconds to go at that rate; None: there was none
+    elapsed, rate, left : of a live run, or else of the last one: seconds so far, points per second
+        of the analysis that came last, seconds that it still takes at that rate; None: there was
+        none
     pace : the same in words
     """
 
@@ -174,7 +175,7 @@ def _stored_of(source: str, output: Path | None, overrides: tuple[str, ...]) -> 
     from fiv_cli.sweep.lock import holder
     from fiv_cli.sweep.parts import part_folders
     from fiv_cli.sweep.plan import make_plan
-    from fiv_cli.sweep.run import count_statuses, grows, refinements
+    from fiv_cli.sweep.run import count_statuses, grows, pending, refinements
 
     case = api.load(source, overrides)
     path = output or default_output(case)
@@ -202,7 +203,7 @@ def _stored_of(source: str, output: Path | None, overrides: tuple[str, ...]) -> 
         stored_case_differs=differing,
     )
     courses = [] if differing else [run.course for run in runs_in(folder)]
-    return _with_pace(standing, courses, grows(journal))
+    return _with_pace(standing, courses, pending(journal), grows(journal))
 
 
 def _is_of_other_points(path: Path, case: Case) -> bool:
@@ -214,7 +215,9 @@ def _is_of_other_points(path: Path, case: Case) -> bool:
     return False
 
 
-def _with_pace(standing: Standing, courses: Sequence[Course], grows: bool) -> Standing:
+def _with_pace(
+    standing: Standing, courses: Sequence[Course], pending: dict[str, int], grows: bool
+) -> Standing:
     """What the log tells of a run that goes on, or of the last one that did anything."""
     if standing.running is None:
         courses = [course for course in courses if len(course.times) > 1]
@@ -222,7 +225,8 @@ def _with_pace(standing: Standing, courses: Sequence[Course], grows: bool) -> St
         return standing
     course = courses[-1]
     now = time.time() if standing.running else course.times[-1]
-    course.total = course.done + standing.counts["pending"]
+    left = sum(pending.values())
+    course.total, course.later = course.done + left, left - pending.get(course.name, left)
     return replace(
         standing,
         elapsed=course.elapsed(now),

@@ -27,6 +27,9 @@ class Course:
     times, counts : instants, s, and how many points were done then; the first is the beginning
     failed : points that failed
     slowest : what is known of the point that took longest; empty: nothing
+    name : of the analysis whose points are being done, whose pace is no other's; empty: of none yet
+    later : points of analyses that come after it
+    since : place of its beginning in `times`
     """
 
     total: int
@@ -34,6 +37,9 @@ class Course:
     counts: list[int]
     failed: int = 0
     slowest: str = ""
+    name: str = ""
+    later: int = 0
+    since: int = 0
 
     @property
     def done(self) -> int:
@@ -46,38 +52,54 @@ class Course:
         self.counts.append(self.done + points)
         self.failed += failed
 
+    def turn(self, name: str, later: int) -> None:
+        """The points of an analysis are next; so many of others come after them."""
+        if name != self.name:
+            self.since = len(self.times) - 1
+        self.name, self.later = name, later
+
     def elapsed(self, now: float) -> float:
         """Seconds since the beginning."""
         return now - self.times[0]
 
     def _judged(self, now: float) -> float:
         """Up to when points are counted on: the last that came, until more are overdue."""
-        last = self.times[-LATE:]
+        last = self.times[self.since :][-LATE:]
         gaps = (after - before for before, after in pairwise(last))
         return last[-1] if now - last[-1] <= max(gaps, default=0.0) else now
 
     def rate(self, now: float) -> float:
-        """Points per second of late, since the points before the last ones at the latest."""
+        """Points per second of late, since the points before the last ones at the latest.
+
+        It is that of one analysis: an eigenvalue is no measure of a motion.
+        """
         now = self._judged(now)
-        since = now - max(RECENT, self.elapsed(now) / 2)
-        place = max(0, min(bisect_right(self.times, since) - 1, len(self.times) - 2))
+        since = now - max(RECENT, self._own(now) / 2)
+        place = min(bisect_right(self.times, since) - 1, len(self.times) - 2)
+        place = max(self.since, place)
         seconds = now - self.times[place]
         return (self.done - self.counts[place]) / seconds if seconds > 0.0 else 0.0
 
     def left(self, now: float) -> float | None:
-        """Seconds that the rest takes at this rate; None where nothing tells, or little yet.
+        """Seconds that the analysis still takes at this rate; None where nothing tells, or little.
 
         So where it should be done by now: the rest takes longer than the points before.
         """
         rate = self.rate(now)
-        if rate == 0.0 or (self._is_early and self.elapsed(now) < YOUNG):
+        if rate == 0.0 or (self._is_early and self._own(now) < YOUNG):
             return None
-        left = (self.total - self.done) / rate - (now - self._judged(now))
+        points = self.total - self.later - self.done
+        left = points / rate - (now - self._judged(now))
         return left if left > 0.0 or self.done >= self.total else None
+
+    def _own(self, now: float) -> float:
+        """Seconds since the analysis began."""
+        return now - self.times[self.since]
 
     @property
     def _is_early(self) -> bool:
-        return self.done < EARLY * self.total
+        before = self.counts[self.since] if self.since else 0
+        return self.done - before < EARLY * (self.total - self.later - before)
 
     def pace(self, now: float) -> str:
         """``2.5 min elapsed, 31 points/s, some 40 s to go``."""
@@ -87,7 +109,10 @@ class Course:
         speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"
         told, left = f"{elapsed}, {speed} points/s", self.left(now)
         alike = ", were the others alike" if self._is_early else ""
-        return told if left is None else f"{told}, some {duration(left)} to go{alike}"
+        if left is None:
+            return told
+        after = f" in {self.name}, {self.later} points of others after it" if self.later else ""
+        return f"{told}, some {duration(left)} to go{alike}{after}"
 
     def line(self, now: float) -> str:
         """All of it."""

@@ -15,7 +15,7 @@ from fiv_cli.files import append_line
 RUN_SUFFIX = ".run"
 
 _BEGUN = re.compile(r"(\S+) fiv \S+: (fiv run .*); (\d+) of (\d+) points done")
-_CAME = re.compile(r"(\S+) .*?, (\d+) of (\d+) points done")
+_CAME = re.compile(r"(\S+) ([^:]+): .*, (\d+) of (\d+) points done")
 
 
 @dataclass(frozen=True)
@@ -62,8 +62,9 @@ def runs_in(folder: Path) -> list[Told]:
                 time, command, done, total = begun.groups()
                 runs.append(Told(command, Course(int(total), [_seconds(time)], [int(done)])))
             elif runs and (found := _CAME.match(line)):
-                time, done, total = found.groups()
+                time, name, done, total = found.groups()
                 course = runs[-1].course
+                course.turn(name, 0)
                 course.note(_seconds(time), int(done) - course.done)
                 course.total = int(total)
     return runs

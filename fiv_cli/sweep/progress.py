@@ -24,6 +24,9 @@ class Progress(Protocol):
     def begin(self, total: int, done: int) -> None:
         """`done` of `total` points are stored; again when what was found asks for more."""
 
+    def turn(self, name: str, later: int) -> None:
+        """The points of an analysis are next; so many of others come after them."""
+
     def advance(self, points: int, failed: int) -> None:
         """So many more points are done; so many of them failed."""
 
@@ -41,6 +44,9 @@ class Silent:
     """Shows nothing."""
 
     def begin(self, total: int, done: int) -> None:
+        """Nothing."""
+
+    def turn(self, name: str, later: int) -> None:
         """Nothing."""
 
     def advance(self, points: int, failed: int) -> None:
@@ -68,6 +74,10 @@ class _Followed:
         if not self.course.total:
             self.course = Course(total, [self.clock()], [done])
         self.course.total = total
+
+    def turn(self, name: str, later: int) -> None:
+        """A pace of its own."""
+        self.course.turn(name, later)
 
     def advance(self, points: int, failed: int) -> None:
         """Count."""

@@ -343,6 +343,14 @@ def count_statuses(journal: Journal) -> dict[str, int]:
     return counts
 
 
+def pending(journal: Journal) -> dict[str, int]:
+    """Analysis -> points that are still to be run, as far as is known."""
+    names = (analysis.layout.name for analysis in journal.plan.analyses)
+    code, indices = STATUS.codes[PENDING], range(len(journal.records))
+    left = (np.count_nonzero(journal.statuses(index) == code) for index in indices)
+    return {name: int(count) for name, count in zip(names, left, strict=True)}
+
+
 def reproduction(plan: Plan, analysis: AnalysisPlan, position: int) -> str:
     """The command that runs one point alone."""
     case = plan.case

@@ -162,6 +162,9 @@ class Scheduler:
         with ending.heeded():
             self._prepare([index for index, queue in enumerate(queues) if queue.left])
             for index, queue in enumerate(queues):
+                later = sum(after.left for after in queues[index + 1 :])
+                if queue.left:
+                    self.progress.turn(self.journal.plan.analyses[index].layout.name, later)
                 self._drain(index, queue, self._paces[index])
         return not self._full()
 
