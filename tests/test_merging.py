@@ -89,6 +89,27 @@ def _nothing(path: Path, missing_ok: bool = False) -> None:
     """A process that was killed removes nothing."""
 
 
+def test_what_is_merged_while_it_is_read_is_found_where_it_went(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by a live run, beside `fiv status`."""
+    sweep(tmp_path / "a.nc", sweep_fakes.BELT, max_points=6)
+    first, *others = stored(tmp_path / "a.nc")
+    found = Journal(tmp_path / "a.run", make_plan(sweep_fakes.case(sweep_fakes.BELT)))
+    read = journal.read_shard
+
+    def read_beside_a_run(path: Path) -> object:
+        if path == first:
+            for number, other in enumerate(others, 900):
+                other.rename(other.with_name(f"{number:06d}.h5"))
+        return read(path)
+
+    monkeypatch.setattr(journal, "read_shard", read_beside_a_run)
+    found.load()
+    assert not found.ignored
+    assert sum(len(shard.positions) for shard in found.records[0].shards) == 6
+
+
 @pytest.mark.usefixtures("soon")
 def test_an_answer_outlives_the_failures_before_it(tmp_path: Path) -> None:
     output = tmp_path / "a.nc"

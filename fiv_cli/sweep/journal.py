@@ -12,6 +12,7 @@ STEM.run/   identity.json  what the stored points belong to
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -192,18 +193,31 @@ class Journal:
         return self.folder / "shards"
 
     def load(self) -> None:
-        """Read what is stored; files that are not sound shards are listed in `ignored`."""
-        paths = sorted(self.shard_folder.glob("*.h5"))
-        numbers = [int(path.stem) for path in paths if _NUMBER.fullmatch(path.stem)]
-        self._next = max(numbers, default=-1) + 1
-        paths += [path for other in self._others for path in sorted(other.glob("shards/*.h5"))]
+        """Read what is stored; files that are not sound shards are listed in `ignored`.
+
+        Those that a live run merges meanwhile are gone, and what they became is read in their place.
+        """
         finders: dict[int, _Finder] = {}
-        for path in paths:
-            try:
-                self._take(path, *read_shard(path), finders)
-            except UnreadableShard as error:
-                self.ignored.append((path, str(error)))
+        read: set[Path] = set()
+        while paths := [path for path in self._paths() if path not in read]:
+            read.update(paths)
+            for path in paths:
+                try:
+                    self._take(path, *read_shard(path), finders)
+                except UnreadableShard as error:
+                    if os.path.lexists(path):
+                        self.ignored.append((path, str(error)))
+        self._next = 1 + max(self._numbers(read), default=-1)
         self.ask()
+
+    def _paths(self) -> Iterator[Path]:
+        """The files among the shards, its own first, in their order."""
+        for folder in (self.folder, *self._others):
+            yield from sorted(folder.glob("shards/*.h5"))
+
+    def _numbers(self, paths: Iterable[Path]) -> Iterator[int]:
+        own = (path.stem for path in paths if path.parent == self.shard_folder)
+        yield from (int(stem) for stem in own if _NUMBER.fullmatch(stem))
 
     def _take(self, path: Path, block: Block, name: str, finders: dict[int, _Finder]) -> None:
         """Register a block that was read."""
