@@ -1400,6 +1400,17 @@ def test_how_many_classes_there_are_is_a_count():
     assert drawn.axes[-1].get_yticks().tolist() == [1.0, 2.0]
 
 
+def test_a_count_that_is_not_certain_has_no_shade():
+    """Where a start is undecided there are one or two classes, and not one and a half."""
+    taken = figure("map", take={"what": "classes", "over": ["initial"]})
+    dataset = data.stability_map(ny=30)
+    drawn = draw(dataset, taken)
+    (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
+    assert isinstance(mesh.norm, BoundaryNorm)
+    assert {*np.unique(mesh.get_array().compressed())} <= {1.0, 2.0}
+    assert legend_texts(drawn) == ["no value: not reached, undecided"]
+
+
 @pytest.mark.parametrize(
     ("number", "text"),
     [(-0.5, "\N{MINUS SIGN}0.5"), (30.0, "30"), (1e7, "$10^{7}$"), (-1e-5, "$-10^{-5}$"),
@@ -1788,6 +1799,15 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
         assert len(borders.axes[0].lines) == count
     low = crit.assign(critical_value=crit["critical_value"].copy(data=values - 500.0))
     low.to_netcdf("runs/low.nc")
+    further = [crit.assign_coords(mu_k=0.23 + 0.1 * n).expand_dims("mu_k") for n in (0, 1)]
+    xr.concat(further, "mu_k").to_netcdf("runs/further.nc")  # of which the map has one
+    at = {n: response.assign_coords(mu_k=n) for n in (0.33, 0.4)}
+    line = figure("map", **axes, level={"further:critical_value": "N0"})
+    assert len(draw(at[0.33], line).axes[0].lines) == len(drawn.axes[0].lines)
+    with pytest.raises(UsageError, match=r"on this map is that at mu_k = 0\.4: not in this data"):
+        draw(at[0.4], line)
+    with pytest.raises(UsageError, match="choose from mu_k with `select`"):
+        draw(response, line)
     drawn = draw(response, figure("map", level={"low:critical_value": "N0"}))
     one = crit.isel(Omega=slice(20, 21), crossing=slice(0, 1)).assign(
         critical_value=crit["critical_value"][20:21, :1]
@@ -1798,9 +1818,7 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
     assert "no line of the critical value of $N_{0}$: no value within" in drawn.get_suptitle()
     with pytest.raises(UsageError, match="no axis of this map 'mu_k'"):
         draw(response, figure("map", level={"crit:critical_value": "mu_k"}))
-    with pytest.raises(
-        UsageError, match="needs its values along N0 alone, and it varies along Omega"
-    ):
+    with pytest.raises(UsageError, match="needs its values along N0, and it varies along Omega"):
         draw(response, figure("map", level={"crit:critical_value": "Omega"}))
 
 

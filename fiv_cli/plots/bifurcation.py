@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fiv_cli.errors import EmptyFigureError, UsageError
-from fiv_cli.flags import SECTION
+from fiv_cli.flags import CYCLE_END, NOT_COMPUTED, SECTION
 from fiv_cli.plots import branch, labels, points, smooth, style
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
@@ -471,10 +471,19 @@ def _mark_changes(
     colours: Mapping[str, ColorType],
 ) -> None:
     """A mark at each change and end of branches, in the colour of their diagram."""
+    dataset = _without_outer_ends(dataset, axis)
     for line in points.lines(dataset, [], points.grid_dims(dataset)):
         place, colour = _whose(layer, dataset.isel(line.index), axis, colours)
         branch.draw_marks(ax, dataset, line.index, colour, place, CHANGE, at_section=True)
     branch.name_marks(ax, [dataset], CHANGE)
+
+
+def _without_outer_ends(dataset: xr.Dataset, axis: xr.DataArray) -> xr.Dataset:
+    """Branches whose brackets are no ends where they reach over the diagram, which ends there."""
+    kind, low, high = dataset["cycle_end_kind"], axis.min(), axis.max()
+    inside = (dataset["cycle_end"] > low) & (dataset["cycle_end"] < high)
+    kept = kind.where(inside | ~is_class(kind, ("bracket",)), CYCLE_END.codes[NOT_COMPUTED])
+    return dataset.assign(cycle_end_kind=kept.assign_attrs(kind.attrs))
 
 
 def _whose(

@@ -80,44 +80,40 @@ class CriticalLines:
         """Crossings of neighbours joined, as far as they belong together."""
         turned = self.upright == self.axes[0].name
         along = self.axes[1 if turned else 0]
-        array, x = self._array(along), points.positions(self.dataset[along.name])
+        dataset = self._on_the_map(along)
+        array, x = self._of_the_border(dataset), points.positions(dataset[along.name])
         own = {dim: at for dim, at in panel.index.items() if dim in array.dims}
         values, modes = (
             one.isel(own).transpose(along.dims[0], ...).values.reshape(x.size, -1)
-            for one in (array, curve.modes_of(self.dataset, array))
+            for one in (array, curve.modes_of(dataset, array))
         )
         places = [tuple(np.array(line).T) for line in curve.joined(x, values, modes)]
         lines = [(x[at[0]], values[at]) for at in places]
         return [(y, x) for x, y in lines] if turned else lines
 
-    def _array(self, along: xr.DataArray) -> xr.DataArray:
-        """The values, along one axis and those of the panels alone.
+    def _on_the_map(self, along: xr.DataArray) -> xr.Dataset:
+        """What it is drawn of, along one axis and those of the panels alone.
 
         Raises
         ------
         UsageError : there are others at each place, or none along that axis
         """
         array, dim = self.dataset[self.name], along.dims[0]
+        if dim not in array.dims:
+            raise UsageError(
+                f"{self.name}: a line of it on this map needs its values along {along.name}, and "
+                f"it varies along {listed(sorted(map(str, array.dims)))}\n"
+                f"next: give its case {along.name} as an axis, under [grid]"
+            )
         panels = {dim for panel in self.panels for dim in panel.index}
         kept = {one for one in panels if levels.same_along(self.dataset, self.mapped, one)}
         further = [str(one) for one in array.dims if one not in {dim, "crossing", *kept}]
-        single = array.squeeze([one for one in further if array.sizes[one] == 1], drop=True)
-        if dim not in array.dims or any(one in single.dims for one in further):
-            raise UsageError(
-                f"{self.name}: a line of it on this map needs its values along {along.name} alone, "
-                f"and it varies along {listed(sorted(map(str, array.dims)))}\n"
-                "next: choose from further ones with `select` in the figure, or give its case the "
-                "axis that it lacks"
-            )
-        return self._of_the_border(single)
+        return levels.at_the_map(self.name, self.dataset, self.mapped, further)
 
-    def _of_the_border(self, values: xr.DataArray) -> xr.DataArray:
+    def _of_the_border(self, dataset: xr.Dataset) -> xr.DataArray:
         """Of several crossings those at which the equilibrium itself turns stable or unstable."""
-        sides = [
-            self.dataset[side]
-            for side in ("unstable_below", "unstable_above")
-            if side in self.dataset
-        ]
+        values = dataset[self.name]
+        sides = [dataset[one] for one in ("unstable_below", "unstable_above") if one in dataset]
         if values.sizes.get("crossing", 1) == 1 or not sides:
             return values
         return values.where((sides[0] <= 0) | (sides[-1] <= 0))

@@ -10,7 +10,7 @@ to another, as from what rests to what vibrates.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -79,6 +79,31 @@ def same_along(dataset: xr.Dataset, other: xr.Dataset, dim: str) -> bool:
         return False
     one, two = (select.axis_of(of, dim).values for of in (dataset, other))
     return np.array_equal(one, two)
+
+
+def at_the_map(
+    name: str, dataset: xr.Dataset, mapped: xr.Dataset, further: Collection[str]
+) -> xr.Dataset:
+    """What lines of a variable are drawn of, where its `further` axes have what a map holds fixed.
+
+    Raises
+    ------
+    UsageError : it has none of that, or several of what the map knows nothing of
+    """
+    known = [dim for dim in further if dataset.sizes[dim] > 1 and dim in mapped.coords]
+    there = {dim: np.unique(mapped[dim]) for dim in known if select.is_numeric(mapped[dim])}
+    fixed = {dim: own.item() for dim, own in there.items() if own.size == 1}
+    try:
+        dataset = select.subset(dataset, fixed, nearest=False)
+    except select.SelectionError as error:
+        raise UsageError(f"{name}: its line on this map is that at {error}") from None
+    several = [dim for dim in further if dataset.sizes[dim] > 1]
+    if several:
+        raise UsageError(
+            f"{name}: several values at a point, and its line on a map is drawn of one\n"
+            f"choose from {', '.join(several)} with `select` in the figure"
+        )
+    return dataset.squeeze(further, drop=True)
 
 
 def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:

@@ -252,13 +252,7 @@ def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
     if lacking:
         raise UsageError(f"{name}: its level is no line, it has no value for each {min(lacking)}")
     further = [str(dim) for dim in dims if dim not in {*planes.dims, *panels}]
-    several = [dim for dim in further if dataset.sizes[dim] > 1]
-    if several:
-        raise UsageError(
-            f"{name}: several values at a point, and its level is drawn of one\n"
-            f"choose from {', '.join(several)} with `select` in the figure"
-        )
-    single = dataset.squeeze(further, drop=True)
+    single = levels.at_the_map(name, dataset, planes.dataset, further)
     x, y = (select.axis_of(single, str(axis.name)) for axis in planes.axes)
     return _Planes(single, single[name], (x, y), planes.panels)
 
@@ -438,6 +432,9 @@ def _paint_numbers(
     logarithmic: bool,
 ) -> None:
     values = _with_rests(planes, numbers(planes.array).where(planes.computed))
+    unsure = _unsure(planes)[MIDDLE]
+    if is_count(str(planes.array.name)):  # between one and two there is no number
+        values = values.where(~unsure)
     known = values.values[np.isfinite(values.values)]
     low, high = shades or _ends(known, logarithmic)
     counts = np.arange(low, high + 1.0)
@@ -462,7 +459,7 @@ def _paint_numbers(
         own = labels.quantity(planes.array, str(planes.array.name))
         sign = "=" if known.min() == 0.0 else r"$\leq$"
         handles = [*handles, Patch(color=BELOW, label=f"{own} {sign} 0")]
-    unbounded = bool((_unsure(planes)[MIDDLE] & values.isnull()).any())
+    unbounded = bool((unsure & values.isnull()).any())
     why = points.joined(
         why_missing(planes.dataset, values.notnull()), "undecided points" if unbounded else ""
     )

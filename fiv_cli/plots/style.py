@@ -454,6 +454,9 @@ def label_log(axis: Axis) -> None:
 
     axis.set_major_formatter(FuncFormatter(told))
     axis.set_minor_formatter(FuncFormatter(told))
+    # the numbers of both kinds of ticks on one line, though minor ones are shorter
+    shorter = mpl.rcParams["xtick.major.size"] - mpl.rcParams["xtick.minor.size"]
+    axis.set_tick_params(which="minor", pad=mpl.rcParams["xtick.major.pad"] + shorter)
 
 
 def finish(figure: Figure) -> None:

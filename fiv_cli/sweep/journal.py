@@ -195,7 +195,7 @@ class Journal:
     def load(self) -> None:
         """Read what is stored; files that are not sound shards are listed in `ignored`.
 
-        Those that a live run merges meanwhile are gone, and what they became is read in their place.
+        Those that a live run merges meanwhile are gone: what they became is read instead.
         """
         finders: dict[int, _Finder] = {}
         read: set[Path] = set()
