@@ -1653,6 +1653,32 @@ def test_levels_written_on_lines_that_run_close_do_not_lie_on_each_other(width):
     assert all(x0 < b.x0 and b.x1 < x1 and y0 < b.y0 and b.y1 < y1 for b in boxes)
 
 
+def test_a_level_is_written_where_its_line_is_straight_and_no_other_is_near(tmp_path, monkeypatch):
+    """Not at a corner, though that is far from its ends, nor over a critical line."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    dataset = with_growth()["response"]
+    x, y = (dataset[name].values for name in ("Omega", "N0"))
+    bent = 6.0 - 5.0 * abs(np.linspace(-1.0, 1.0, y.size))
+    dataset["L_s"].values[:] = (x[:, None] - bent)[..., None]
+    crit = xr.Dataset(
+        {"critical_value": ("N0", bent + 1.5, {"long_name": "critical value of Omega"})},
+        coords={"N0": ("N0", y, dataset["N0"].attrs)},
+        attrs=dataset.attrs,
+    )
+    crit["status"] = data.statuses(("N0",), np.full(y.size, "ok"))
+    crit.to_netcdf("runs/crit.nc")
+    wanted = {"L_s": -0.0125, "crit:critical_value": "Omega"}
+    drawn = draw(dataset, figure("map", x="Omega", y="N0", variable="L_s", level=wanted))
+    ax = drawn.axes[0]
+    drawn.canvas.draw()
+    (line,) = [one for one in ax.lines if len(one.get_xdata()) == y.size]
+    places = ax.transData.transform(line.get_xydata())
+    boxes = [one.get_window_extent() for one in ax.texts]
+    assert boxes and not any(box.contains(*place) for box in boxes for place in places)
+    assert all(one.get_position()[0] < 5.8 for one in ax.texts)
+
+
 def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     dataset = data.stability_map()
     dataset["L_s"][:, :, 0] = 1.0

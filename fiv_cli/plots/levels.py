@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
@@ -28,15 +29,15 @@ from fiv_cli.reading.datasets import ends_of, flag_names
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
-    from matplotlib.contour import QuadContourSet
     from matplotlib.typing import ColorType
 
 # Between levels written on lines, and at the ends of these, in lengths of the writing; where a line
 # has less, and its level would be written nowhere, at its ends and to others at least.
 ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
-ALIKE = (
-    0.4  # of the half of what is written: a line of another level that is so near is one with it
-)
+# Of the half of what is written: another line is not to come so near; where that leaves no room, a
+# line of another level that is still nearer is one with it.
+CLEAR, ALIKE = 1.0, 0.4
+STEP = 0.25  # between points of other lines, in heights of letters
 PAD = 0.25  # around a level that is written, in heights of its letters
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 NOT_KNOWN = "not known"
@@ -148,12 +149,18 @@ def draw(
 def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]) -> None:
     """Write its level on each line; on none where one has no room: the legend tells them all."""
     written = [one.get_position() for one in ax.texts]
+    own = [lines for lines, _ in drawn]
+    further = [one for one in ax.collections if isinstance(one, QuadContourSet) and one not in own]
+    crossing = [*_drawn_lines(ax), *(piece for one in further for piece in _pieces(one))]
     found: list[tuple[QuadContourSet, float, list[np.ndarray]]] = []
     for lines, level in drawn:
-        others = [one for one, of in drawn if of != level]
+        others = [piece for one, of in drawn if of != level for piece in _pieces(one)]
         taken = [*written, *(place for _, _, places in found for place in places)]
         text = labels.number_text(level, levels)
-        found.append((lines, level, _rooms(ax, lines, text, others, taken)))
+        rooms = (
+            _rooms(ax, lines, text, (others, share), crossing, taken) for share in (CLEAR, ALIKE)
+        )
+        found.append((lines, level, next(filter(None, rooms), [])))
     if {level for _, level in drawn} == {level for _, level, places in found if places}:
         for lines, level, places in found:
             told = {level: labels.number_text(level, levels)}
@@ -166,12 +173,14 @@ def _rooms(
     ax: Axes,
     lines: QuadContourSet,
     text: str,
-    others: Sequence[QuadContourSet],
+    others: tuple[Sequence[np.ndarray], float],
+    crossing: Sequence[np.ndarray],
     written: Sequence[Any],
 ) -> list[np.ndarray]:
     """Where the level can be written on pieces of its lines beside what is `written` already.
 
-    There it reaches over no side of the panel, and its line runs apart from those of other levels.
+    There it reaches over no side of the panel and no line of those `crossing`, its own is straight,
+    and those of `others` levels are further away than a share of it.
     """
     height = mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS
     box = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
@@ -179,8 +188,10 @@ def _rooms(
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
     pixels = ax.transData.transform
     low, high = ax.bbox.min + box, ax.bbox.max - box
-    of_others = [pixels(piece) for one in others for piece in _pieces(one)]
-    elsewhere = np.concatenate([np.zeros((0, 2)), *of_others])
+    near, far = (
+        np.concatenate([np.zeros((0, 2)), *(_dense(pixels(one), STEP * height) for one in pieces)])
+        for pieces in (others[0], crossing)
+    )
     taken = [pixels(place) for place in written]
     chosen: list[np.ndarray] = []
     roomiest: tuple[float, list[np.ndarray]] = (LEAST_ROOM * length, [])
@@ -188,8 +199,8 @@ def _rooms(
         along = pixels(piece)
         apart = _distances(along, [along[0], along[-1]])
         apart[((along < low) | (along > high)).any(axis=1)] = 0.0
-        hidden = (np.abs(along[:, None] - elsewhere) < ALIKE * box).all(axis=-1).any(axis=1)
-        apart[hidden] = 0.0
+        hides = _reaches(along, near, others[1] * box) | _reaches(along, far, box)
+        apart[hides | _bends(along, box)] = 0.0
         off = _distances(along, taken)
         least = np.where(off > BESIDE * length, apart, 0.0)
         roomiest = max(roomiest, (least.max(), [piece[least.argmax()]]), key=itemgetter(0))
@@ -198,6 +209,43 @@ def _rooms(
             chosen.append(piece[apart.argmax()])
             taken.append(along[apart.argmax()])
     return chosen or roomiest[1]
+
+
+def _dense(line: np.ndarray, step: float) -> np.ndarray:
+    """Points of a line, at most so far apart."""
+    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+    known = np.isfinite(way)
+    if known.sum() < 2:
+        return line[known]
+    at = np.linspace(0.0, way[known][-1], 2 + int(way[known][-1] / step))
+    return np.column_stack([np.interp(at, way[known], one[known]) for one in line.T])
+
+
+def _in_frames(along: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Distances of points from each of a line, along it and across, shape (line, points, 2)."""
+    ahead = np.gradient(along, axis=0) if len(along) > 1 else np.ones((1, 2))
+    ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), np.finfo(float).tiny)
+    apart, across = points - along[:, None], ahead[:, ::-1] * (-1.0, 1.0)
+    return np.abs(np.stack([(apart * one[:, None]).sum(-1) for one in (ahead, across)], axis=-1))
+
+
+def _reaches(along: np.ndarray, elsewhere: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Where a box along a line, of these halves, reaches over points of other lines."""
+    inside = _in_frames(along, elsewhere) < box
+    return np.asarray(np.any(inside.all(axis=-1), axis=1))
+
+
+def _bends(along: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Where a line leaves a box along it by its long sides, to come back or not."""
+    near = np.linalg.norm(along - along[:, None], axis=-1) < box[0]
+    return np.asarray(np.any(near & (_in_frames(along, along)[..., 1] > box[1]), axis=1))
+
+
+def _drawn_lines(ax: Axes) -> Iterator[np.ndarray]:
+    """The lines of a panel that are drawn already, in its own numbers."""
+    for line in ax.lines:
+        if line.get_transform() == ax.transData and line.get_linestyle() != "None":
+            yield np.asarray(line.get_xydata(), float)
 
 
 def _distances(points: np.ndarray, others: Sequence[np.ndarray]) -> np.ndarray:

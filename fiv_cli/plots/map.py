@@ -85,7 +85,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         logarithmic = points.is_logarithmic(settings, "z")
         _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
-        for one, colour in zip(lines, colours, strict=True):
+        for one, colour in sorted(zip(lines, colours, strict=True), key=_is_written_on):
             one.draw(ax, panel, colour)
         _dress(ax, number, columns, planes)
         points.scale(ax, settings)
@@ -199,6 +199,11 @@ def _lines(
             levels.refuse_class(over.array)
             found.append(_Lines(over, own, [*islice(styles[is_own], len(own))], is_own))
     return found
+
+
+def _is_written_on(drawn: tuple[_Lines | CriticalLines, str]) -> bool:
+    """What has numbers written on it comes last, and these beside the other lines."""
+    return isinstance(drawn[0], _Lines) and drawn[0].of_the_map
 
 
 def _colour(line: _Lines | CriticalLines, on_classes: bool) -> str:
