@@ -128,6 +128,18 @@ def test_a_chaotic_response() -> None:
     assert found.values["lyapunov"] > 0.03
 
 
+def test_a_class_does_not_depend_on_what_is_observed() -> None:
+    """Not on the velocity either, which is that of the disc wherever the pin comes to stick."""
+    start, fixed = {"phi_dot": 0.5}, {"Omega": 0.5}
+    settings = ({"observe": name, "t_max": 600.0} for name in ("phi", "phi_dot", "theta_dot"))
+    found = [
+        analyse("pin-on-disc", "coulomb", "response", start, one, None, **fixed).values
+        for one in settings
+    ]
+    assert {one["attractor"] for one in found} == {"chaotic"}
+    assert len({one["lyapunov"] for one in found}) == 1
+
+
 def test_more_time_undoes_no_chaos_but_tells_more_of_it() -> None:
     """However long the window, its tangent stays a number; its rate is told within its error."""
     found = [

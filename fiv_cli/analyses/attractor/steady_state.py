@@ -86,6 +86,7 @@ LONGEST_BLOCK = 200.0  # ... natural periods; in longer ones it may grow beyond 
 SHOWN = 512  # section values stored of a motion that is not periodic
 PASSAGES = 4  # along a cycle that an early attempt takes, for each state
 ATTEMPT = 8000  # steps of one state that it costs beside them
+SAME_VALUE = 1e-9  # share of itself by which what is the same at each section point varies
 SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
 
 
@@ -765,19 +766,20 @@ class _Response:
             return "undecided", "slide_not_decided" if slides else "no_section_points"
         exponent = outcome.values.get("lyapunov", float("nan"))
         regular, bounds = np.nan, (REGULAR, CHAOTIC)
+        telling = self._points[:, self._telling()]
         if np.isfinite(exponent):
-            regular = regularity(self._points[:, self.observed], bounds)
+            regular = regularity(telling, bounds)
         if np.isnan(regular):
             return "undecided", "time_budget"
         if exponent > self._growth_of_chaos() and regular <= CHAOTIC:
-            within = regularity_in_bands(self._points[:, self.observed], bounds)
+            within = regularity_in_bands(telling, bounds)
             regular = max(regular, within)
         outcome.values["zero_one"] = regular
         told, reason = self._by_two_tests(exponent, regular)
-        points = self._map_points()
+        points, observed = self._map_points(), telling[:, None]
         # A weak mode that still dies away, or is shaken slowly, undoes no chaos, but any torus.
         m = len(self.system.coordinates)
-        observed, kinds = points[:, [self.observed]], (m, 2 * m)
+        kinds = m, 2 * m
         moved = drift(observed) if told == "chaotic" else drift(points, kinds)
         if told == "quasiperiodic" and moved == 0.0:
             moved = abs(parting(points, kinds))
@@ -785,6 +787,12 @@ class _Response:
             return "undecided", "time_budget"
         outcome.values["section_drift"] = moved
         return (told, reason) if moved == 0.0 else ("undecided", "section_drifts")
+
+    def _telling(self) -> int:
+        """The state whose section values are tested: what is observed or, where it is the same at
+        each, as the velocity of what comes to stick, the first that varies."""
+        varies = np.ptp(self._points, axis=0) > SAME_VALUE * np.abs(self._points).max(axis=0)
+        return self.observed if varies[self.observed] else int(np.argmax(varies))
 
     def _by_two_tests(self, exponent: float, regular: float) -> tuple[str, str]:
         """What Lyapunov exponent and 0-1 test say together."""
