@@ -707,7 +707,10 @@ def test_a_rate_is_that_of_its_analysis() -> None:
     course.turn("response", 0)
     assert course.pace(61.0) == "61 s elapsed"
     course.note(71.0, 50)
-    assert course.pace(71.0) == "71 s elapsed, 1.2 points/s, some 2 min to go"
+    told = "71 s elapsed, 1.2 points/s, some 2 min to go"
+    assert course.pace(71.0) == told
+    course.turn("response", 0, grows=True)  # a map that is being refined
+    assert course.pace(71.0) == f"{told} with the points that are known so far"
 
 
 def test_a_log_says_which_analysis_came_how_far(tmp_path: Path) -> None:

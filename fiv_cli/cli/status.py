@@ -175,7 +175,7 @@ def _stored_of(source: str, output: Path | None, overrides: tuple[str, ...]) -> 
     from fiv_cli.sweep.lock import holder
     from fiv_cli.sweep.parts import part_folders
     from fiv_cli.sweep.plan import make_plan
-    from fiv_cli.sweep.run import count_statuses, grows, pending, refinements
+    from fiv_cli.sweep.run import count_statuses, pending, refinements
 
     case = api.load(source, overrides)
     path = output or default_output(case)
@@ -203,7 +203,7 @@ def _stored_of(source: str, output: Path | None, overrides: tuple[str, ...]) -> 
         stored_case_differs=differing,
     )
     courses = [] if differing else [run.course for run in runs_in(folder)]
-    return _with_pace(standing, courses, pending(journal), grows(journal))
+    return _with_pace(standing, courses, pending(journal), journal.grows)
 
 
 def _is_of_other_points(path: Path, case: Case) -> bool:
@@ -227,10 +227,11 @@ def _with_pace(
     now = time.time() if standing.running else course.times[-1]
     left = sum(pending.values())
     course.total, course.later = course.done + left, left - pending.get(course.name, left)
+    course.grows = grows
     return replace(
         standing,
         elapsed=course.elapsed(now),
         rate=course.rate(now),
         left=course.left(now),
-        pace=course.pace(now) + grows * " with the points that are known so far",
+        pace=course.pace(now),
     )

@@ -30,6 +30,7 @@ class Course:
     name : of the analysis whose points are being done, whose pace is no other's; empty: of none yet
     later : points of analyses that come after it
     since : place of its beginning in `times`
+    grows : what it has found may ask for more of its points
     """
 
     total: int
@@ -40,6 +41,7 @@ class Course:
     name: str = ""
     later: int = 0
     since: int = 0
+    grows: bool = False
 
     @property
     def done(self) -> int:
@@ -52,11 +54,11 @@ class Course:
         self.counts.append(self.done + points)
         self.failed += failed
 
-    def turn(self, name: str, later: int) -> None:
+    def turn(self, name: str, later: int, grows: bool = False) -> None:
         """The points of an analysis are next; so many of others come after them."""
         if name != self.name:
             self.since = len(self.times) - 1
-        self.name, self.later = name, later
+        self.name, self.later, self.grows = name, later, grows
 
     def elapsed(self, now: float) -> float:
         """Seconds since the beginning."""
@@ -112,7 +114,8 @@ class Course:
         if left is None:
             return told
         after = f" in {self.name}, {self.later} points of others after it" if self.later else ""
-        return f"{told}, some {duration(left)} to go{alike}{after}"
+        known = " with the points that are known so far" if self.grows else ""
+        return f"{told}, some {duration(left)} to go{alike}{known}{after}"
 
     def line(self, now: float) -> str:
         """All of it."""

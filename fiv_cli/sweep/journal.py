@@ -149,6 +149,11 @@ class Record:
         stored: NDArray[np.bool_] = self.status != PENDING
         return stored
 
+    @property
+    def grows(self) -> bool:
+        """Whether what is to be run is not all known yet: a map is still being refined."""
+        return self.stage is not None and not self.stage.complete
+
     def told_classes(self) -> NDArray[np.int32]:
         """Class of each point of a refined analysis, blank where it was run in vain."""
         return np.where(self.in_vain(), np.int32(BLANK), self.classes)
@@ -186,6 +191,11 @@ class Journal:
         self._next = 0
         self._kept = 0
         self.ask()
+
+    @property
+    def grows(self) -> bool:
+        """Whether what is to be run of some analysis is not all known yet."""
+        return any(record.grows for record in self.records)
 
     @property
     def shard_folder(self) -> Path:

@@ -24,8 +24,8 @@ class Progress(Protocol):
     def begin(self, total: int, done: int) -> None:
         """`done` of `total` points are stored; again when what was found asks for more."""
 
-    def turn(self, name: str, later: int) -> None:
-        """The points of an analysis are next; so many of others come after them."""
+    def turn(self, name: str, later: int, grows: bool) -> None:
+        """The points of an analysis are next, which may be more; so many of others follow."""
 
     def advance(self, points: int, failed: int) -> None:
         """So many more points are done; so many of them failed."""
@@ -46,7 +46,7 @@ class Silent:
     def begin(self, total: int, done: int) -> None:
         """Nothing."""
 
-    def turn(self, name: str, later: int) -> None:
+    def turn(self, name: str, later: int, grows: bool) -> None:
         """Nothing."""
 
     def advance(self, points: int, failed: int) -> None:
@@ -75,9 +75,9 @@ class _Followed:
             self.course = Course(total, [self.clock()], [done])
         self.course.total = total
 
-    def turn(self, name: str, later: int) -> None:
+    def turn(self, name: str, later: int, grows: bool) -> None:
         """A pace of its own."""
-        self.course.turn(name, later)
+        self.course.turn(name, later, grows)
 
     def advance(self, points: int, failed: int) -> None:
         """Count."""

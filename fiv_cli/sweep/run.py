@@ -293,7 +293,7 @@ def _partial(journal: Journal) -> dict[str, object]:
     """What a dataset says of the points that it lacks; of one that is whole, nothing."""
     counts = count_statuses(journal)
     total, left = sum(counts.values()), counts[PENDING]
-    so_far = " known so far, of a map that is being refined" * grows(journal)
+    so_far = " known so far, of a map that is being refined" * journal.grows
     return {"partial": f"{total - left} of {counted(total)}{so_far}"} if left else {}
 
 
@@ -310,12 +310,6 @@ def _assembled(journal: Journal, index: int) -> Dataset:
     classes = stage.filled_classes(maps.fill)
     filled = fill_in(dataset, maps.refinement.of, classes, stage.origins())
     return replace(filled, attrs=maps.attributes(stage))
-
-
-def grows(journal: Journal) -> bool:
-    """Whether what is to be run is not all known yet: a map is still being refined."""
-    stages = [record.stage for record in journal.records]
-    return any(stage is not None and not stage.complete for stage in stages)
 
 
 def refinements(journal: Journal) -> list[str]:
@@ -377,7 +371,7 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
     log(f"fiv {fiv_cli.__version__}: {command}; {came(*journal.progress())}")
     for path, why in journal.ignored:
         log(f"ignored {path}: {why}")
-    if grows(journal):
+    if journal.grows:
         note("a refined map: what is to be run grows as its borders are found")
     try:
         with ending.last_act(partial(_say_at_last, journal)):
@@ -417,7 +411,7 @@ def _say_at_last(journal: Journal) -> None:
     """Of a run that is ended at once: what there is of it, on stderr."""
     done, total = journal.progress()
     told = f"{came(done, total)}, and stored; the same command goes on from here"
-    if done == total and not grows(journal):
+    if done == total and not journal.grows:
         told = "every point is stored; the same command writes the dataset"
     elif not done:
         told = "no point is done; the same command begins again"

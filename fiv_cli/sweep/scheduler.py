@@ -152,7 +152,8 @@ class Scheduler:
         StorageError
             a result cannot be stored; what is stored stays.
         """
-        queues = [self._queue(index) for index in range(len(self.journal.records))]
+        plan = self.journal.plan
+        queues = [self._queue(index) for index in range(len(plan.analyses))]
         left = sum(queue.left for queue in queues)
         _, self._total = self.journal.progress()
         self._done = max(0, self._total - left)
@@ -164,7 +165,8 @@ class Scheduler:
             for index, queue in enumerate(queues):
                 later = sum(after.left for after in queues[index + 1 :])
                 if queue.left:
-                    self.progress.turn(self.journal.plan.analyses[index].layout.name, later)
+                    name, record = plan.analyses[index].layout.name, self.journal.records[index]
+                    self.progress.turn(name, later, record.grows)
                 self._drain(index, queue, self._paces[index])
         return not self._full()
 
