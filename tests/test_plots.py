@@ -293,6 +293,29 @@ def test_a_family_from_several_starts_has_its_colour_and_each_start_its_mark():
     assert not [word for word in legend_texts(ax) if "lost" in word and ":" not in word]
 
 
+def test_what_all_of_many_starts_lead_to_has_one_mark():
+    """Each start has its own where one leads elsewhere; two over one another are told apart."""
+    two = data.bifurcation()
+    counts = two["section_row_size"].values
+    near = np.split(two["section_value"].values, np.cumsum(counts.ravel())[:-1])[::2]
+    away = [[0.2], *near[1:]]  # where the first of the points leads from the last start
+    rows = [row for pair in zip(near, near, away, strict=True) for row in pair]
+    last = two.isel(initial=[0], drop=False)
+    starts = [last.assign_coords(initial=[name]) for name in ("a", "b", "c")]
+    three = xr.concat([one.drop_vars("section_value") for one in starts], "initial")
+    three["section_row_size"] = three["section_row_size"].transpose("Omega", "initial")
+    three["section_row_size"].values[:] = np.reshape([len(row) for row in rows], (-1, 3))
+    three["section_value"] = ("section_obs", np.concatenate(rows), two["section_value"].attrs)
+    (ax,) = draw(three, figure("bifurcation")).axes
+    assert legend_texts(ax)[:4] == ["a", "b", "c", "all starts"]
+    drawn = {str(line.get_label()): line for line in reversed(ax.lines)}
+    assert [drawn[name].get_xdata().tolist() for name in "abc"] == [[0.5], [0.5], [0.5]]
+    shared = drawn["all starts"].get_xydata()
+    assert len(shared) == sum(map(len, near)) - len(near[0])
+    (ax,) = draw(two, figure("bifurcation")).axes
+    assert "all starts" not in legend_texts(ax)
+
+
 def test_marks_of_a_dense_diagram_are_smaller():
     few = data.bifurcation()
     many = few.isel(section_obs=np.repeat(np.arange(few.sizes["section_obs"]), 40))

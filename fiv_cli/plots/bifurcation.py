@@ -46,6 +46,8 @@ SECTION_WORDS = {
     "impact": "an impact",
 }
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1)}
+SHARED = "all starts"
+SAME = 1e-6  # relative distance of values of one motion
 ALIKE = 1e-3  # of heights that are the same in a figure
 
 
@@ -74,7 +76,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     found = [
         cloud
         for layer, lines in zip(shown, equilibria, strict=True)
-        for cloud in _clouds(layer, name, _all_of(lines), settings)
+        for cloud in _shared_apart([*_clouds(layer, name, _all_of(lines), settings)])
     ]
     clouds = [cloud for cloud in found if cloud.y.size or cloud.rest_y.size]
     points.refuse_empty(first, bool(clouds), name)
@@ -168,6 +170,47 @@ def _clouds(
         yield _Cloud(family, start, *at_section, *at_rest)
 
 
+def _shared_apart(clouds: Sequence[_Cloud]) -> Iterator[_Cloud]:
+    """With a cloud of its own for what all of more than two starts lead to.
+
+    Two marks over one another are seen, and say that both do; more are a tangle.
+    """
+    for _, group in itertools.groupby(clouds, lambda cloud: cloud.family):
+        family = [*group]
+        starts = {points.stem(cloud.start) for cloud in family}
+        shared = _where_alike(family) if 2 < len(starts) == len(family) else np.zeros(0)
+        yield from (_at(cloud, shared, without=True) for cloud in family)
+        if shared.size:
+            yield replace(_at(family[0], shared), start=SHARED)
+
+
+def _where_alike(clouds: Sequence[_Cloud]) -> np.ndarray:
+    """The places at which all have the same values, and rest alike."""
+    places = np.unique(np.concatenate([clouds[0].x, clouds[0].rest_x]))
+    told = [[_told_at(cloud, place) for cloud in clouds] for place in places]
+    alike = [
+        all(
+            len(one) == len(row[0]) and np.allclose(one, row[0], rtol=SAME, atol=0.0) for one in row
+        )
+        for row in told
+    ]
+    return places[np.array(alike, bool)]
+
+
+def _told_at(cloud: _Cloud, place: float) -> np.ndarray:
+    """What a cloud has at one place: how many values, these, and where it rests."""
+    passed, rests = np.sort(cloud.y[cloud.x == place]), cloud.rest_y[cloud.rest_x == place]
+    return np.concatenate([[passed.size], passed, rests])
+
+
+def _at(cloud: _Cloud, places: np.ndarray, *, without: bool = False) -> _Cloud:
+    """The part of a cloud at some places, or `without` these."""
+    passed, rests = (np.isin(own, places) != without for own in (cloud.x, cloud.rest_x))
+    of_values = {n: getattr(cloud, n)[passed] for n in ("x", "y", "crowded", "undecided")}
+    of_rests = {n: getattr(cloud, n)[rests] for n in ("rest_x", "rest_y", "told", "sticking")}
+    return replace(cloud, **of_values, **of_rests)
+
+
 def _observed(variable: xr.DataArray) -> str:
     """The state that a variable at the section is about: the first of its words."""
     return str(variable.attrs.get("long_name", "")).split(" ")[0]
@@ -217,7 +260,7 @@ def _mark_values(
     crowded, undecided = cloud.crowded, cloud.undecided
     seen = 1.0 + SEEN_BEHIND * (sorts - 1 - entry.number) / sorts
     fine = seen * max(FINEST, FINER * style.finer(int(crowded.sum())) * size)
-    mark, small = (style.mark_of(entry.number, sorts, one) for one in (size, FINER * size))
+    mark, small = (_mark_of(cloud.start, entry.number, sorts, one) for one in (size, FINER * size))
     dot = style.mark_of(0, 1, fine)
     look: dict[str, Any] = {"color": entry.colour, "ls": "none", "rasterized": many}
     among, open_ = points.unlisted(entry.label), points.unlisted(entry.label, UNSETTLED)
@@ -236,17 +279,26 @@ def _mark_rests(
 ) -> None:
     """The points at rest of one cloud, with a square in their mark where no line tells of them."""
     rest, on_line = ((cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told))
-    look = style.mark_of(entry.number, sorts, size) | {"color": entry.colour, "ls": "none"}
+    mark = _mark_of(cloud.start, entry.number, sorts, size)
+    look = mark | {"color": entry.colour, "ls": "none"}
     at_rest = points.unlisted(entry.label, resting)
     ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest)
     ax.plot(*rest, label=DECORATION, **look)
     ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **look)
 
 
+def _mark_of(start: str, number: int, sorts: int, size: float) -> dict[str, Any]:
+    """The mark of a start, or of what all of them lead to."""
+    if start == SHARED:
+        return {"marker": "D", "ms": size, "mew": 0.0}
+    return style.mark_of(number, sorts, size)
+
+
 def _entries(clouds: Sequence[_Cloud]) -> list[points.Entry]:
     """A sort of marks for each line; of families from several starts a colour for each family."""
     families = [*dict.fromkeys(cloud.family for cloud in clouds)]
     starts = [*dict.fromkeys(points.stem(cloud.start) for cloud in clouds)]
+    starts.sort(key=lambda start: start == SHARED)
     if min(len(families), len(starts)) < 2 or "" in starts:
         return points.entries([cloud.label for cloud in clouds])
     colours = dict(zip(families, style.line_colours(len(families)), strict=True))
@@ -270,7 +322,7 @@ def _name_sorts(
         ax.plot([], [], color=colour, label=family, **style.COLOUR_ALONE)
     starts = {points.stem(cloud.start): entry.number for cloud, entry in pairs}
     for start, number in starts.items():
-        look = style.mark_of(number, len(starts), size)
+        look = _mark_of(start, number, len(starts), size)
         ax.plot([], [], ls="none", color=style.BLACK, label=start, **look)
 
 
