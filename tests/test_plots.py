@@ -1932,6 +1932,62 @@ def test_a_basin_takes_every_point_of_a_lattice_as_a_start():
     assert "standard error" not in " ".join(legend_texts(drawn))
 
 
+def _refined_lattice(count=81, shift=0.0):
+    """Every fourth start of a lattice was run; of the others the class alone is known."""
+    x = np.linspace(-1.0, 1.0, count)
+    coords = data.axes(initial_x=x, initial_x_dot=x, initial=["at"])
+    reached = np.where(np.hypot(x[:, None], x) < 0.5, "equilibrium", "periodic")[..., None]
+    dataset = data.response(reached.astype(object), np.zeros(reached.shape), coords)
+    ran = np.zeros(reached.shape, bool)
+    ran[::4, ::4] = True
+    made = np.where(ran, "run", "filled_in")
+    dataset["computed"] = data.flags([*coords], made, ("run", "sampled", "filled_in"))
+    starts = np.stack(np.broadcast_arrays(x[:, None] + shift, x), -1)[..., None, :]
+    dataset["initial_state"] = ((*coords, "state"), np.where(ran[..., None], starts, np.nan))
+    for name in ("L_s", "x_max", "x_dot_max"):
+        dataset[name] = dataset["L_s"].where(ran)
+    units = ("state", ["m", "m s-1"])
+    dataset = dataset.assign_coords(state=["x", "x_dot"], state_units=units)
+    return dataset.assign_attrs(refined_of="attractor", starts_json='{"at": "state"}')
+
+
+@pytest.mark.parametrize("shift", [0.0, 1.0 / 3.0])  # starts off a rest lie off their axes
+def test_a_basin_of_a_refined_lattice_has_a_cell_at_every_point(shift):
+    drawn = draw(_refined_lattice(shift=shift), figure("basin"))
+    (ax,) = drawn.axes
+    rest, moving = (one for one in ax.collections if isinstance(one, PolyCollection))
+    assert len(rest.get_paths()) + len(moving.get_paths()) == 81 * 81
+    middles = [
+        np.array([path.vertices[:4].mean(axis=0) for path in one.get_paths()]) - (shift, 0.0)
+        for one in (rest, moving)
+    ]
+    assert np.hypot(*middles[0].T).max() < 0.5 <= np.hypot(*middles[1].T).min() + 1e-9
+    (star,) = [line for line in ax.lines if line.get_label() == "where they rest"]
+    assert star.get_xydata().tolist() == [[0.0, 0.0]]
+    assert "6.7% of 6561 points run" in drawn.get_suptitle()
+
+
+def test_a_panel_of_a_basin_of_which_no_point_was_run_has_cells_too():
+    dataset = _refined_lattice()
+    other = dataset.assign({n: dataset[n].where(False) for n in ("initial_state", "L_s")})
+    other["computed"] = other["computed"].where(False, 2).assign_attrs(dataset["computed"].attrs)
+    drawn = draw(
+        xr.concat([dataset, other], xr.Variable("Omega", [1.0, 2.0])).transpose(..., "state"),
+        figure("basin"),
+    )
+    for ax in drawn.axes:
+        cells = [one for one in ax.collections if isinstance(one, PolyCollection)]
+        assert sum(len(one.get_paths()) for one in cells) == 81 * 81
+
+
+def test_a_basin_of_a_refined_lattice_does_not_tell_cycles_apart():
+    """Which of them a start reaches that was filled in is not known."""
+    dataset = _refined_lattice()
+    dataset["L_s"] = xr.where(dataset["initial_x"] > 0.0, 1.0, 2.0).where(dataset["L_s"].notnull())
+    told = legend_texts(draw(dataset.transpose(..., "state"), figure("basin")))
+    assert [word.split()[0] for word in told] == ["equilibrium", "periodic", "where"]
+
+
 def test_a_basin_tells_cycles_of_one_class_apart_by_their_periods():
     """As L_s does; what is one motion to its errors is one."""
     dataset = data.basin(speeds=(1.0,))

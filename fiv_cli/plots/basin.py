@@ -12,6 +12,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.collections import PolyCollection
 
 from fiv_cli.errors import UsageError
@@ -24,7 +25,6 @@ from fiv_cli.reading.cycles import number_of_each, size_of_cycles, tolerance
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -62,8 +62,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     points.refuse_empty(dataset, bool(known.any()), "attractor")
     panels = points.lines(dataset, ["initial"], points.grid_dims(dataset))
     map_.refuse_many(panels, dataset["attractor"], ["initial"])
+    words = "\n".join(filter(None, (points.title(dataset), map_.how_run(dataset))))
     figure, axes, columns = style.grid_of_panels(
-        len(panels), map_.MOST_COLUMNS, points.title(dataset), SHARE, sharex=True, sharey=True
+        len(panels), map_.MOST_COLUMNS, words, SHARE, sharex=True, sharey=True
     )
     single = len(panels) == 1
     reached = [_motions(dataset.isel(panel.index), single) for panel in panels]
@@ -94,8 +95,21 @@ def _of_starts(dataset: xr.Dataset) -> xr.Dataset:
     axes = [dim for dim in points.grid_dims(dataset) if dim.startswith("initial_")]
     if not axes or STARTS not in dataset or len(_varying(dataset)) >= 2:
         return dataset
-    stacked = dataset.stack(start=[*axes, "initial"], create_index=False)
+    placed = dataset.assign({STARTS: _places(dataset, axes)})
+    stacked = placed.stack(start=[*axes, "initial"], create_index=False)
     return stacked.swap_dims(start="initial").transpose(..., "state", "initial")
+
+
+def _places(dataset: xr.Dataset, axes: Sequence[str]) -> xr.DataArray:
+    """Where each start is; one that was filled in stands where its axes, off a rest, have it."""
+    starts = dataset[STARTS]
+    along = xr.zeros_like(starts)
+    for dim in axes:
+        along += dataset[dim] * (dataset["state"] == dim.removeprefix("initial_"))
+    rest = (starts - along).max(axes)
+    others = [dim for dim in rest.dims if dim not in ("state", "initial")]
+    alike = rest.max(others).where(rest.max(others) == rest.min(others))
+    return starts.fillna(along + rest.fillna(alike))  # of a plane of which no point was run
 
 
 def _varying(dataset: xr.Dataset) -> list[str]:
@@ -175,7 +189,8 @@ def _scatter(
         drawn.name_points(starts, part["initial"].values[mask].tolist())
         if filled:
             cells = _cells(x, y, mask)
-            ax.add_collection(PolyCollection([*cells], color=look["color"], lw=SEAM, zorder=2.0))
+            look_of = {"color": look["color"], "rasterized": len(x) > style.MANY_MARKS}
+            ax.add_collection(PolyCollection([*cells], lw=SEAM, zorder=2.0, **look_of))
         if name in told or filled:
             words = _told(name, told[name]) if name in told else label
             ax.scatter([], [], lw=0.5, label=words, **key)
@@ -187,7 +202,7 @@ def _scatter(
 
 def _is_dense(ax: Axes, x: np.ndarray, y: np.ndarray, size: float) -> bool:
     """Whether starts are a lattice of cells that are hardly larger than marks of a size, pt^2."""
-    counts = np.array([np.unique(x).size, np.unique(y).size])
+    counts = np.array([_distinct(x), _distinct(y)])
     if counts.prod() != x.size or counts.min() < 2:
         return False
     cell = np.array(ax.bbox.size) / ax.figure.dpi * style.POINTS / counts
@@ -196,8 +211,14 @@ def _is_dense(ax: Axes, x: np.ndarray, y: np.ndarray, size: float) -> bool:
 
 def _cells(x: np.ndarray, y: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Corners of the cells of some points of a lattice, shape (cells, 4, 2)."""
-    sides = np.array([np.ptp(every) / (np.unique(every).size - 1) for every in (x, y)])
+    sides = np.array([np.ptp(every) / (_distinct(every) - 1) for every in (x, y)])
     return np.column_stack([x, y])[mask][:, None] + 0.5 * sides * np.array(CORNERS)
+
+
+def _distinct(values: np.ndarray) -> int:
+    """How many values there are: what differs by rounding is one."""
+    steps = (values - values.min()) / (SAME * max(float(np.ptp(values)), np.finfo(float).tiny))
+    return np.unique(steps.round()).size
 
 
 def _motions(part: xr.Dataset, single: bool) -> np.ndarray:
@@ -208,6 +229,8 @@ def _motions(part: xr.Dataset, single: bool) -> np.ndarray:
     reached = class_names(part["attractor"]).astype(object)
     size = size_of_cycles(part).values
     is_cycle = np.isfinite(size)
+    if is_cycle.sum() < (reached == "periodic").sum():  # which of them was filled in is not known
+        return reached
     number = number_of_each(size[is_cycle], tolerance(part))
     if 0 < number.max(initial=0) < len(OF_CYCLES):
         by_period = single and "period" in part
@@ -232,6 +255,7 @@ def _rests(part: xr.Dataset, names: tuple[str, str]) -> np.ndarray:
     if not {*ends} <= {*part}:
         return np.zeros((0, 2))
     places = np.stack([part[end].values for end in ends], axis=1)
+    places = places[np.isfinite(places).all(axis=1)]  # those that were run
     steps = np.round(places / (SAME * max(float(np.abs(places).max(initial=0.0)), SAME)))
     return places[np.sort(np.unique(steps, axis=0, return_index=True)[1])]
 

@@ -71,7 +71,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     refuse_many(planes.panels, planes.array, planes.dims)
     points.refuse_empty(dataset, bool(planes.computed.any()), str(planes.array.name))
     missed = [word for one in lines for word in one.missed]
-    words = "\n".join(filter(None, (points.title(dataset), _how_run(dataset), *missed)))
+    words = "\n".join(filter(None, (points.title(dataset), how_run(dataset), *missed)))
     figure, axes, columns = style.grid_of_panels(
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )
@@ -292,7 +292,7 @@ def _overlaid(
     return figure
 
 
-def _how_run(dataset: xr.Dataset) -> str:
+def how_run(dataset: xr.Dataset) -> str:
     """How many of the points of a refined map were run, and how far to trust the others."""
     if "refined_of" not in dataset.attrs:
         return ""
