@@ -274,7 +274,7 @@ ENDED_EARLY = ("diverged", "contact_lost")
 MOTION_OF_A_CYCLE = (
     "of the cycle that its `cycle` found, which may be unstable, a [[initial]] of kind `state` "
     "at `cycle_section` (fiv show FILE.nc --csv 'cycle_section[*],cycle_period'), with t_end its "
-    "period"
+    "period; over basins: fiv plot BASINS.nc HISTORY.nc --figure basin"
 )
 
 ON_THE_WAY = ("time_budget", "slide_not_decided")

@@ -2041,6 +2041,66 @@ def test_a_basin_shows_where_its_motions_rest():
     assert "where they rest" not in legend_texts(ax)
 
 
+def _motion_in_x(speed=2.0):
+    names = {"phi": "x", "phi_dot": "x_dot"}
+    return data.history(labels=("far",)).rename(names).assign_coords(Omega=speed)
+
+
+def _lines_over(ax):
+    return {one.get_label(): one for one in ax.collections if isinstance(one, LineCollection)}
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_motion_lies_over_the_basins_at_its_parameters(turned):
+    """As its phase portrait has it, with what is between two of its contact states."""
+    layers = [("", data.basin()), ("cycle", _motion_in_x())]
+    one, two = draw(layers[::-1] if turned else layers, figure("basin")).axes
+    assert not _lines_over(one)
+    (path,) = _lines_over(two)["cycle"].get_segments()
+    assert legend_texts(two).count("cycle") == 1
+    (portrait,) = draw(_motion_in_x(), figure("phase")).axes
+    pieces = [p for lines in portrait.collections for p in lines.get_segments()]
+    assert {*map(tuple, np.concatenate(pieces))} <= {*map(tuple, path)}
+    assert {float(v) for v in path[[0, -1], 0]} == {*_motion_in_x()["x"].values[0, [0, -1]]}
+
+
+def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
+    files = [("", data.basin(speeds=(1.0,))), ("", _motion_in_x(2.0))]
+    (ax,) = draw(files, figure("basin")).axes
+    assert [*_lines_over(ax)] == ["motion"]
+
+
+def test_a_motion_at_the_parameters_of_no_basin_is_refused():
+    with pytest.raises(
+        UsageError, match=r"no panel .*\n.*Omega = 1 rad/s; Omega = 2 rad/s\nnext: "
+    ):
+        draw([("", data.basin()), ("", _motion_in_x(3.0))], figure("basin"))
+    with pytest.raises(UsageError, match=r"x: no variable over time"):
+        draw([("", data.basin()), ("", data.history(labels=("far",)))], figure("basin"))
+
+
+def test_a_file_without_a_motion_is_not_laid_over_basins():
+    cycle = data.response("periodic", 1.0, {}).assign(cycle_section=("state", [1.0, 0.0]))
+    with pytest.raises(UsageError, match=r"no motion in time.*\nnext: fiv history.*cycle_section"):
+        draw([("", data.basin()), ("", cycle)], figure("basin"))
+    with pytest.raises(UsageError, match="shows one dataset"):
+        draw([("", data.basin()), ("", data.basin())], figure("basin"))
+
+
+def test_motions_of_further_files_lie_over_each_file_of_basins(tmp_path):
+    files = {"a": data.basin(), "b": data.basin(speeds=(2.0,)), "m": _motion_in_x()}
+    for name, dataset in files.items():
+        dataset.to_netcdf(tmp_path / f"{name}.nc")
+    paths = [str(tmp_path / f"{name}.nc") for name in ("m", "a", "b")]
+    told = CliRunner().invoke(
+        plot_command, [*paths, "--figure", "basin", "-o", str(tmp_path / "c.csv")]
+    )
+    assert told.exit_code == 0, told.output
+    for name in ("a", "b"):
+        (rows,) = (path.read_text().splitlines() for path in tmp_path.glob(f"c-{name}-*.csv"))
+        assert sum("motion: " in row for row in rows) > 800
+
+
 def test_many_basins_fit_a_column_of_a_page():
     six = data.basin(speeds=(0.5, 1.0, 1.5, 2.0, 2.5, 3.0))
     drawn = draw(six, figure("basin"), look=look_of("paper", width=84.0))

@@ -59,7 +59,9 @@ FIGURES = {
         ("x", "y", "variable", "take", "level", "overlay", "zlim", "zlabel"),
     ),
     "basin": (
-        "starts over two of their states, coloured by what they reach, and where they rest",
+        "starts over two of their states, coloured by what they reach, and where they rest; over "
+        "them motions, such as the unstable cycle that is their border: fiv plot BASINS.nc "
+        "HISTORY.nc --figure basin",
         ("x", "y"),
     ),
     "bifurcation": (

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
 LINES_ALONE = (
     "the lines on the map alone; the map itself: fiv show FILE.nc --csv VARIABLE -o FILE.csv"
 )
-OWN_NAMES = "; lines drawn over those of another file have names of their own"
+OWN_NAMES = (
+    "; lines drawn over those of another file have names of their own, and basins a title (--title)"
+)
 SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
 
 
@@ -124,9 +126,10 @@ def command(
     any, a figure of each kind that suits it. Several files share one figure where that makes
     sense (curve, bifurcation, branch, phase), each called by what it differs in, or as --label
     says; a bifurcation diagram takes the cycles of files that hold a branch, and so does a curve of
-    an amplitude or extreme. Kinds: map, basin, bifurcation, curve, branch, eigenvalues, history,
-    phase, spectrum, spectrogram, mode-shape. A figure that would be
-    empty is not written, and says why. Of several figures -o b.png makes b-a-NAME.png of each.
+    an amplitude or extreme; over basins lie, with --figure basin, the motions of histories. Kinds:
+    map, basin, bifurcation, curve, branch, eigenvalues, history, phase, spectrum, spectrogram,
+    mode-shape. A figure that would be empty is not written, and says why. Of several figures -o
+    b.png makes b-a-NAME.png of each.
 
     \b
     Examples:
@@ -302,9 +305,7 @@ def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources,
 
     lender = next((source for _, source in sources if _has_figure(source, name)), None)
     shared: set[str] = set()  # figures of files before, in which later ones have their part
-    for place, ((file, source), (label, _)) in enumerate(
-        zip(sources, _named(sources), strict=True)
-    ):
+    for place, (file, source) in enumerate(sources):
         if name in shared:
             return
         asks = lender if lender and not _has_figure(source, name) else source
@@ -314,7 +315,10 @@ def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources,
             if len(sources) == 1:
                 yield default, sources, figure
             elif not KINDS[figure.kind].overlays:
-                yield default, [(file, _labelled(source, label))], figure
+                takes_more = name is not None and KINDS[figure.kind].completed
+                over = _over(sources, figure) if takes_more else []
+                if (file, source) not in over:
+                    yield default, [_labelled(sources, place, over), *over], figure
             elif not before & {figure.name, figure.kind}:
                 shared |= {figure.name, figure.kind}
                 yield default, sources[place:], figure
@@ -327,9 +331,20 @@ def _has_figure(source: dict[str, xr.Dataset], name: str | None) -> bool:
     return any(figure.name == name for figure in figures_of(source))
 
 
-def _labelled(source: dict[str, xr.Dataset], label: str) -> dict[str, xr.Dataset]:
-    """Analyses whose figures say what they differ in from those of the other files."""
-    return {name: one.assign_attrs(differs=label, overrides="") for name, one in source.items()}
+def _over(sources: Sources, figure: FigureSpec) -> Sources:
+    """The files that cannot be drawn so, and may lie over those that can, if there are any."""
+    from fiv_cli.plots import can_draw
+
+    over = [one for one in sources if not can_draw(one[1], figure)]
+    return over if len(over) < len(sources) else []
+
+
+def _labelled(sources: Sources, place: int, over: Sources) -> tuple[Path, dict[str, xr.Dataset]]:
+    """A file whose figures say what it differs in from the others, but those that lie `over` it."""
+    file, source = sources[place]
+    under = [one for one in sources if one not in over]
+    label = next(label for label, one in _named(under) if one is source)
+    return file, {n: one.assign_attrs(differs=label, overrides="") for n, one in source.items()}
 
 
 def _drawn(sources: Sources, figure: FigureSpec, look: Look) -> Figure:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,8 +20,9 @@ from matplotlib.collections import PolyCollection
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
-from fiv_cli.plots import drawn, labels, points, style
+from fiv_cli.plots import drawn, labels, motion, phase, points, style
 from fiv_cli.plots import map as map_
+from fiv_cli.plots.bifurcation import of_the_same
 from fiv_cli.reading import shares
 from fiv_cli.reading.cycles import number_of_each, size_of_cycles, tolerance
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
@@ -54,9 +57,10 @@ def suits(dataset: xr.Dataset) -> bool:
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """A panel for each value of the other axes, with the shares of the classes above it.
 
-    Those of a single panel stand in the legend.
+    Those of a single panel stand in the legend. Motions of further datasets lie over it.
     """
-    dataset = _of_starts(layers[0].dataset)
+    first, *others = sorted(layers, key=lambda layer: not suits(layer.dataset))
+    dataset = _of_starts(first.dataset)
     names = _components(dataset, settings)
     known = is_class(dataset["status"], ("ok", "budget"))
     points.refuse_empty(dataset, bool(known.any()), "attractor")
@@ -67,11 +71,12 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         len(panels), map_.MOST_COLUMNS, words, SHARE, sharex=True, sharey=True
     )
     single = len(panels) == 1
-    reached = [_motions(dataset.isel(panel.index), single) for panel in panels]
+    parts = [dataset.isel(panel.index) for panel in panels]
+    reached = [_motions(part, single) for part in parts]
     looks = _looks(dataset, {name for one in reached for name in one})
     for number, (ax, panel, own) in enumerate(zip(axes, panels, reached, strict=False)):
         shares_of = _shares(own, _is_sample(dataset))
-        _scatter(ax, dataset.isel(panel.index), own, names, looks, shares_of if single else {})
+        _scatter(ax, parts[number], own, names, looks, shares_of if single else {})
         heading = [] if single else [_told(*one) for one in shares_of.items()]
         ax.set_title("\n".join(filter(None, (panel.label, *heading))))
         ax.set_label(panel.label)  # of the table
@@ -79,6 +84,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.tick_params(labelbottom=True)
         ax.set_ylabel(_label(dataset, names[1]) if number % columns == 0 else "")
         points.scale(ax, settings)
+    _lay_over(axes, parts, others, names, settings)
     rows = -(-len(panels) // columns)
     style.make_room(figure, rows * max(ax.get_title().count("\n") for ax in axes))
     error = " ± standard error" if _is_sample(dataset) else ""
@@ -219,6 +225,49 @@ def _distinct(values: np.ndarray) -> int:
     """How many values there are: what differs by rounding is one."""
     steps = (values - values.min()) / (SAME * max(float(np.ptp(values)), np.finfo(float).tiny))
     return np.unique(steps.round()).size
+
+
+def _motions_in_time(layer: points.Layer) -> list[motion.Motion]:
+    """Those of a file, of whichever of its analyses has any."""
+    dataset = next(filter(motion.suits, (layer.dataset, *layer.beside)), layer.dataset)
+    every = motion.motions(dataset, {"overlay": True})
+    names = [points.joined(layer.label, one.label) for one in every]
+    given = dataset.attrs.get("called", layer.label)
+    labels_of = names if given else [f"motion{': ' * bool(name)}{name}" for name in names]
+    return [replace(one, label=label) for one, label in zip(every, labels_of, strict=True)]
+
+
+def _lay_over(
+    axes: Sequence[Axes],
+    parts: Sequence[xr.Dataset],
+    layers: Sequence[points.Layer],
+    names: tuple[str, str],
+    settings: points.Settings,
+) -> None:
+    """Motions of further files as thin black lines, each in the panels of its parameters."""
+    every = (one for layer in layers for one in _motions_in_time(layer))
+    for one, dash in zip(every, cycle(style.DASHES), strict=False):
+        for name in names:
+            motion.known_variable(one.data, name)
+        path = phase.path_of(one, names, settings)
+        whole, look = path.between(-np.inf, np.inf), {"color": style.BLACK, "lw": 1.0, "ls": dash}
+        for ax in _panels_of(one, axes, parts):
+            path.draw(ax, [whole], one.label, zorder=3.2, **look)
+            ax.autoscale_view()
+
+
+def _panels_of(one: motion.Motion, axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> list[Axes]:
+    """Those whose parameters a motion has; a single one takes all, which say what differs."""
+    pairs = [*zip(axes, parts, strict=False)]
+    found = [ax for ax, part in pairs if len(parts) == 1 or of_the_same(one.data, part) is not None]
+    if not found:
+        labels_of = "; ".join(str(ax.get_label()) for ax, _ in pairs)
+        raise UsageError(
+            f"{drawn.in_one_line(one.label)}: no panel of these basins has its parameters\n"
+            f"the panels are: {drawn.in_one_line(labels_of)}\n"
+            "next: fiv history CASE --at what one of them has"
+        )
+    return found
 
 
 def _motions(part: xr.Dataset, single: bool) -> np.ndarray:

@@ -90,7 +90,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     along = [one for one in others if branch.is_along(one, str(axis.name), observed)]
     settings = _as_the_grid(settings, axis, along)
     for layer in shown:  # a dataset that belongs to several is drawn with the first of them
-        parts = [_of_the_same(one, layer.dataset) for one in others]
+        parts = [of_the_same(one, layer.dataset) for one in others]
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
         _draw_cycles(ax, own, axis, layer, name)
@@ -353,7 +353,7 @@ def _other_sections(dataset: xr.Dataset, settings: points.Settings) -> Iterator[
 
 
 # --- what motions do not show ---------------------------------------------------------------------
-def _of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
+def of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
     """The part of a dataset at what a diagram holds fixed; None: it has no such."""
     known, chosen = _axes_and_numbers(dataset), _choices(dataset)
     fixed = _numbers_held(diagram, known) | _choices(diagram)
@@ -426,7 +426,7 @@ def _refuse_of_none(layers: Sequence[points.Layer], shown: Sequence[points.Layer
                 f"{layer.label}: no cycle was found, so there is no branch to lay over them\n"
                 "next: fiv show FILE.nc says why; the diagram alone: fiv plot of its file"
             )
-        if all(_of_the_same(layer.dataset, one.dataset) is None for one in shown):
+        if all(of_the_same(layer.dataset, one.dataset) is None for one in shown):
             raise EmptyFigureError(
                 f"the branch {layer.label} is of other parameters than the bifurcation diagrams\n"
                 "next: draw it with a diagram of its own parameters, or alone: --figure branch"
@@ -438,7 +438,7 @@ def _refuse_apart(
 ) -> None:
     """UsageError of a dataset of which the diagrams show nothing."""
     parts = (
-        _of_the_same(one, diagram.dataset)
+        of_the_same(one, diagram.dataset)
         for one in (layer.dataset, *layer.beside)
         for diagram in shown
     )
@@ -474,7 +474,7 @@ def _changes(
 
     That is a critical value or, where there is none, at which a cycle shrinks to one of them.
     """
-    same = (_of_the_same(one, layer.dataset) for one in (*layer.beside, *others))
+    same = (of_the_same(one, layer.dataset) for one in (*layer.beside, *others))
     parts = [part for part in same if part is not None]
     found = [_critical(part, axis) for part in parts]
     found += [
@@ -607,7 +607,7 @@ def _equilibria(
     """
     diagram = layer.dataset
     nowhere = dict.fromkeys(EQUILIBRIA, diagram["status"] * np.nan)
-    parts = [_of_the_same(one, diagram) for one in (*layer.beside, *others)]
+    parts = [of_the_same(one, diagram) for one in (*layer.beside, *others)]
     beside = [one for one in parts if one is not None and axis.name in one.coords]
     place = _heights(diagram, beside, observed)
     judged = next((d["stable"] for d in beside if {"stable", "growth_rate"} <= {*d}), None)

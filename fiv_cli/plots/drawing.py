@@ -65,7 +65,7 @@ class Kind:
 # In the order in which a dataset without [[figure]] tables is asked what suits it.
 KINDS: dict[str, Kind] = {
     "map": Kind(map_.suits, map_.draw, unasked=map_.fills_plane),
-    "basin": Kind(basin.suits, basin.draw),
+    "basin": Kind(basin.suits, basin.draw, completed=True),
     "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True, completed=True),
     "curve": Kind(curve.suits, curve.draw, overlays=True, unasked=curve.has_an_axis),
     "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
@@ -217,7 +217,8 @@ def draw(
             _refuse_other_analysis(one, figure)
     labels = {label for _, one in analyses for label in _starts(one)}
     layers = [_layer(name, one, _shared(figure, one, labels), kind) for name, one in analyses]
-    if len(layers) > 1 and not kind.overlays:
+    alone = [one for one in layers if kind.suits(one.dataset) or not kind.completed]
+    if len(alone) > 1 and not kind.overlays:
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
     settings = _checked(figure)
     if "take" in settings:
@@ -231,7 +232,9 @@ def draw(
         ]
         settings = {**settings, "variable": settings["take"]["what"]}
     asked = [
-        one for one, (_, held) in zip(layers, analyses, strict=True) if _has_asked(held, figure)
+        one
+        for one, (_, held) in zip(layers, analyses, strict=True)
+        if _has_asked(held, figure) and (kind.overlays or kind.suits(one.dataset))
     ]
     if "title" in settings or len({title_of(one.dataset.attrs) for one in asked}) > 1:
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]

@@ -116,7 +116,7 @@ def refuse_without(dataset: xr.Dataset) -> None:
         of_a_cycle = f"; {MOTION_OF_A_CYCLE}" * ("cycle_section" in dataset)
         raise UsageError(
             "no motion in time in this dataset\n"
-            f"compute one with: fiv history CASE --at AXIS=VALUE,initial=LABEL{of_a_cycle}"
+            f"next: fiv history CASE --at AXIS=VALUE,initial=LABEL{of_a_cycle}"
         )
 
 

@@ -154,12 +154,14 @@ class _Path:
         """Pieces of one colour."""
         if self.is_coarse:
             x, y, color = *np.concatenate(pieces).T, look["color"]
-            ax.plot(x, y, ".", ms=2.0, color=color, label=label, rasterized=self.is_long)
+            marks: dict[str, Any] = {"rasterized": self.is_long, "zorder": look.get("zorder")}
+            ax.plot(x, y, ".", ms=2.0, color=color, label=label, **marks)
         else:
             ax.add_collection(LineCollection(pieces, label=label, rasterized=self.is_long, **look))
 
 
-def _path(one: motion.Motion, names: tuple[str, str], settings: points.Settings) -> _Path:
+def path_of(one: motion.Motion, names: tuple[str, str], settings: points.Settings) -> _Path:
+    """A motion in the plane of two variables."""
     values = [motion.of_contact(one.data[name], settings) for name in names]
     is_long = one.time.size > style.MANY_MARKS
     if one.is_coarse(*names):
@@ -178,7 +180,7 @@ def _panel(
     if sampling.is_at_rest(one.data):
         _rest(ax, one, names, mark)
         return
-    path = _path(one, names, settings)
+    path = path_of(one, names, settings)
     stretches: dict[str, list[np.ndarray]] = {}
     for state, begin, end in motion.contact_spans(one, settings):
         stretches.setdefault(state, []).append(path.between(begin, end))
