@@ -2101,6 +2101,18 @@ def test_motions_of_further_files_lie_over_each_file_of_basins(tmp_path):
         assert sum("motion: " in row for row in rows) > 800
 
 
+def test_a_file_that_gives_nothing_to_figures_is_told(tmp_path):
+    point = data.response("periodic", 1.0, {}).assign_coords(mu_k=0.2)
+    point = point.assign(cycle_section=("state", [1.0, 0.0]))
+    for name, dataset in (("a", data.basin()), ("b", point)):
+        dataset.to_netcdf(tmp_path / f"{name}.nc")
+    paths = [str(tmp_path / f"{name}.nc") for name in ("a", "b")]
+    told = CliRunner().invoke(plot_command, [*paths, "-o", str(tmp_path / "c.png")])
+    assert told.exit_code == 0
+    assert f"{paths[1]}: left out: a single point" in told.stderr
+    assert "--figure basin" in told.stderr and "cycle_section" in told.stderr
+
+
 def test_many_basins_fit_a_column_of_a_page():
     six = data.basin(speeds=(0.5, 1.0, 1.5, 2.0, 2.5, 3.0))
     drawn = draw(six, figure("basin"), look=look_of("paper", width=84.0))

@@ -301,6 +301,7 @@ def _asked(
 
 def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources, FigureSpec]]:
     """(default path, what it is drawn from, figure) of what is called `name`; None: of every."""
+    from fiv_cli.plots import nothing_suits
     from fiv_cli.plots.drawing import KINDS
 
     lender = next((source for _, source in sources if _has_figure(source, name)), None)
@@ -310,7 +311,11 @@ def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources,
             return
         asks = lender if lender and not _has_figure(source, name) else source
         before = frozenset(shared)
-        for figure in _chosen(file, asks, name):
+        figures = _chosen(file, asks, name)
+        if not figures and len(sources) > 1 and not before:
+            why = str(nothing_suits(source)).replace("\n", "; ")
+            click.echo(f"{file}: left out: {why}", err=True)
+        for figure in figures:
             default = file.with_name(f"{file.stem}-{figure.name}.png")
             if len(sources) == 1:
                 yield default, sources, figure

@@ -11,6 +11,7 @@ import numpy as np
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import MOTION_OF_A_CYCLE
 from fiv_cli.notation.names import listed, pick
 from fiv_cli.plots import (
     basin,
@@ -163,10 +164,13 @@ def nothing_suits(source: Source) -> UsageError:
     datasets = _analyses(source).values()
     single = all(one["status"].size == one.sizes.get("initial", 1) for one in datasets)
     fixed = {str(name) for one in datasets for name, axis in one.coords.items() if not axis.ndim}
+    has_cycle = any("cycle_section" in one for one in datasets)
+    of_a_cycle = f"; or draw the motion {MOTION_OF_A_CYCLE}" * has_cycle
     if single and fixed:
         return UsageError(
             "a single point, which no kind of figure suits\n"
             f"next: give the case an axis to draw it along, under [grid]: {listed(sorted(fixed))}"
+            f"{of_a_cycle}"
         )
     return UsageError("no kind of figure suits this dataset\nnext: `fiv show` says what it holds")
 
