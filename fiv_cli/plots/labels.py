@@ -29,7 +29,7 @@ FORMULA = re.compile(r"\w+ ?/ ?(?:\(|sqrt)")
 # The thesis writes the angle with the open form of the letter.
 VARIANTS = {"phi": r"\varphi"}
 
-LONGEST_MEANING = 40
+LONGEST_MEANING, LONGEST_WITHOUT_SYMBOL = 40, 60
 START = "start: "  # before the meaning of a state
 LONGEST_SUBSCRIPT = 3  # x_rms is a symbol, n_solutions is words
 MOST_PARAMETERS = 2  # that tell datasets of one figure apart
@@ -44,7 +44,8 @@ def axis_label(variable: xr.DataArray, name: str = "") -> str:
     name = name or str(variable.name)
     meaning = str(variable.attrs.get("long_name", ""))
     meaning = "initial" if meaning.startswith(START) and has_symbol(variable, name) else meaning
-    words = with_symbols(meaning) if 0 < len(meaning) <= LONGEST_MEANING else ""
+    most = LONGEST_MEANING if has_symbol(variable, name) else LONGEST_WITHOUT_SYMBOL
+    words = with_symbols(meaning) if 0 < len(meaning) <= most else ""
     is_formula = bool(words and FORMULA.search(meaning))
     if has_symbol(variable, name):
         own = f"${symbol(variable, name)}$"

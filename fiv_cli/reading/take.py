@@ -212,7 +212,8 @@ def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> 
     A place is ``last disc speed that is periodic``.
     """
     name, of = str(array.name), take.get("of", "")
-    of = of if isinstance(of, str) else " or ".join(of)
+    if not isinstance(of, str):
+        of = " or ".join(filter(None, [", ".join(of[:-1]), of[-1]]))
     words = name if "symbol" in array.attrs else name.replace("_", " ")
     if "." in of:
         words = f"with {of.replace('.', words, 1)}"
