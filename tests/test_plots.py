@@ -1,5 +1,6 @@
 """Figures: what is drawn is what the dataset holds, labelled, and the same bytes each time."""
 
+import csv
 import json
 import re
 from itertools import combinations, pairwise, product
@@ -1084,6 +1085,81 @@ def test_lines_of_a_second_axis_say_its_value_with_unit():
     drawn = draw(data.stability_map(), figure("curve", x="Omega", select={"initial": "exists"}))
     assert "$N_0$ = 20 N" in legend_texts(drawn)
     assert len([line for line in drawn.axes[0].lines if line.get_label().startswith("$N_0$")]) == 17
+
+
+PRELOADS = ["$N_0$ = 10 N", "$N_0$ = 20 N", "$N_0$ = 30 N"]
+
+
+def over_preloads(preloads=(10.0, 20.0, 30.0), starts=("far",)):
+    """A line for each preload and start, and of each the shares of stick of two contacts."""
+    one = crossing_lines(**{start: (1.0 + n, 2.0 + n**2) for n, start in enumerate(starts)})
+    each = [one.assign(L_s=force * one["L_s"]) for force in preloads]
+    found = xr.concat(each, "N0", data_vars="all")
+    both = xr.concat([found["L_s"] / 100.0, found["L_s"] / 200.0], "contact")
+    shares = both.transpose(..., "contact")
+    found["stick_fraction"] = shares.assign_attrs(units="1", long_name="share of stick")
+    return found.assign_coords(**data.axes(N0=preloads), contact=[1, 2])
+
+
+def looks_of(ax, look):
+    """Words of each line that has points -> its colour, or its dashes."""
+    lines = [line for line in ax.lines if len(line.get_xdata())]
+    return {line.get_label().strip("_"): getattr(line, f"get_{look}")() for line in lines}
+
+
+def test_a_value_has_one_colour_in_all_panels_and_each_contact_its_dashes():
+    """The table has every line by all of its words."""
+    drawn = draw(over_preloads(), figure("curve", x="Omega", variable=["L_s", "stick_fraction"]))
+    assert legend_texts(drawn) == [*PRELOADS, "contact = 1", "contact = 2"]
+    top, below = (looks_of(ax, "color") for ax in drawn.axes)
+    assert len({*top.values()}) == 3
+    assert below == {f"{one}, contact = {n}": top[one] for one, n in product(PRELOADS, (1, 2))}
+    dashes = {(words[-1], dash) for words, dash in looks_of(drawn.axes[1], "linestyle").items()}
+    assert dashes == {("1", "-"), ("2", "--")}
+    keys = [key.get_color() for key in drawn.legends[0].legend_handles]
+    assert keys == [*top.values(), BLACK, BLACK]
+    rows = list(csv.reader(as_csv(drawn, Path("a.csv")).splitlines()))
+    assert {row[4] for row in rows[1:]} == {in_one_line(words) for words in [*top, *below]}
+
+
+def test_of_two_dims_that_of_more_values_has_the_colours_also_of_gaps():
+    found = over_preloads((10.0, 20.0), ("a", "b", "c"))
+    found["status"][1, 20, 1], found["L_s"][1, 20, 1] = data.STATUS.index("failed"), np.nan
+    (ax,) = draw(found, figure("curve", x="Omega", variable="L_s")).axes
+    assert legend_texts(ax) == ["a", "b", "c", *PRELOADS[:2], f"failed: {PRELOADS[1]}, b"]
+    colours = looks_of(ax, "color")
+    assert len({*colours.values()}) == 3
+    assert colours[f"failed: {PRELOADS[1]}, b"] == colours[f"{PRELOADS[0]}, b"]
+
+
+def test_a_line_without_value_and_lines_of_all_have_entries_beside_colours_and_dashes():
+    found = over_preloads()
+    found["stick_fraction"][0, ..., 1] = found["stick_fraction"][0, ..., 0]
+    found["stick_fraction"][1, ..., 1] = np.nan
+    found["L_s"][2] = np.nan  # its colour is told: it has values elsewhere
+    drawn = draw(found, figure("curve", x="Omega", variable=["L_s", "stick_fraction"]))
+    none, both = f"{PRELOADS[1]}, contact = 2: no value", "contact = 1 and contact = 2"
+    assert legend_texts(drawn) == [*PRELOADS, both, "contact = 1", "contact = 2", none]
+
+
+@pytest.mark.parametrize(
+    ("preloads", "starts", "asked", "entries"),
+    [
+        ((10.0, 20.0), ("a", "b"), {"variable": "L_s"}, 4),  # no fewer by colour and dash
+        ((10.0, 20.0, 30.0), ("a-001", "b-001"), {"variable": "L_s"}, 6),  # nor is a line drawn
+        ((10.0, 20.0, 30.0), ("a", "b"), {"variable": "attractor"}, 6),
+        (
+            (10.0, 20.0, 30.0),
+            ("a", "b"),
+            {"variable": "L_s", "x": "initial", "select": {"Omega": [0.5, 1.0]}},
+            6,
+        ),
+    ],
+)
+def test_where_dashes_tell_nothing_each_line_has_its_colour(preloads, starts, asked, entries):
+    found = over_preloads(preloads, starts)
+    (ax,) = draw(found, figure("curve", **{"x": "Omega"} | asked)).axes
+    assert len(legend_texts(ax)) == len({*looks_of(ax, "color").values()}) == entries
 
 
 def test_a_curve_of_crossings_has_a_line_for_each_sort():

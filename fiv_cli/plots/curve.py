@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+VARIABLE, DATASET = "variable", "dataset"  # what tells lines apart beside dims
 CLASS_SHIFT = 0.06
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 ACROSS = 0.8  # of the width of a figure: what a panel has
@@ -109,13 +110,16 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             or _without_axis(layer, name, dataset, axis)
         )
     ]
-    drawn = _with_own_words(_each_once(drawn))
-    anything = any(np.isfinite([curve.y, *curve.ends]).any() for _, curve in drawn)
-    points.refuse_empty(dataset, anything, names[0])
+    drawn = _each_once(drawn)
+    points.refuse_empty(dataset, any(one.is_known for _, one in drawn), names[0])
     title = points.title(*(layer.dataset for layer in layers))
     figure, axes = style.new_panels(len(panels), 1, title, sharex=True)
-    entries = points.entries([curve.label for _, curve in drawn])
     numeric = select.is_numeric(axis)
+    bare = [n for n, own in enumerate(panels) if not numeric or flag_names(dataset[own[0]].attrs)]
+    dashed, every = _told_by_dashes(drawn, bare), [curve for _, curve in drawn]
+    entries = _entries(every, dashed)
+    if dashed:
+        _name_looks(axes[0], every, entries, dashed)
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
         logarithmic = points.is_logarithmic(settings, "y")
@@ -144,19 +148,68 @@ def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
 def _as_one(group: list[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
     """Lines that hide one another as the first, which has the name of all, if there is one."""
     (place, first), names = group[0], tuple(one.label for _, one in group)
-    label = points.of_all(names)
-    return [(place, replace(first, label=label, names=names))] if label else group
+    words = {
+        dim: points.BOTH.join(dict.fromkeys(one.words[dim] for _, one in group))
+        for dim in first.words
+    }
+    return [(place, replace(first, words=words, names=names))] if points.of_all(names) else group
 
 
-def _with_own_words(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
-    """The same (panel, line), with words for those that have no value in any panel."""
-    known = {one.label for _, one in drawn if np.isfinite([one.y, *one.ends]).any()}
+def _told_by_dashes(drawn: Sequence[tuple[int, _Curve]], bare: Sequence[int]) -> str:
+    """The dim whose words dashes tell, and colours those of all others; "" where none is.
+
+    It leaves fewer entries than lines; better one that not all panels have, and of few values. In
+    `bare` panels, and among members of random starts, no dashes are seen.
+    """
+    names, fit = {points.stem(one.label) for _, one in drawn}, {}
+    for dim in dict.fromkeys(chain(*(one.words for _, one in drawn))):
+        told = [(place, one) for place, one in drawn if one.words.get(dim)]
+        panels = {place for place, _ in told}
+        unseen = any(place in bare or one.is_random or one.sort for place, one in told)
+        mixed = any(place in panels and not one.words.get(dim) for place, one in drawn)
+        sorts = {one.words[dim] for _, one in told}
+        count = len(sorts) + len({points.stem(one.without(dim)) for _, one in drawn})
+        if 0 < len(sorts) <= len(style.DASHES) and count < len(names) and not (unseen or mixed):
+            fit[dim] = len(panels), len(sorts)
+    return min(fit, key=lambda dim: fit[dim], default="")
+
+
+def _entries(lines: Sequence[_Curve], dashed: str) -> list[points.Entry]:
+    """How each line looks, by its words and those of the dim that is `dashed`, if one is.
+
+    One that has no value in any panel is said to have none.
+    """
+    shown = [one for one in lines if one.is_known or one.of_crossings]
+    known = {"", *(word for one in shown for word in (one.label, one.without(dashed)))}
+    entries = points.entries([one.without(dashed) for one in lines])
+    if dashed:
+        sorts = filter(None, dict.fromkeys(one.words.get(dashed) for one in lines))
+        dashes = dict(zip(sorts, style.DASHES, strict=False))
+        entries = [
+            replace(
+                entry,
+                dash=dashes.get(one.words.get(dashed, ""), "-"),
+                label=points.unlisted(points.stem(one.label)),
+            )
+            for one, entry in zip(lines, entries, strict=True)
+        ]
     return [
-        (place, one)
-        if not one.label or one.label in known or one.of_crossings
-        else (place, replace(one, label=f"{one.label}: no value"))
-        for place, one in drawn
+        entry if one.label in known else replace(entry, label=f"{one.label}: no value")
+        for one, entry in zip(lines, entries, strict=True)
     ]
+
+
+def _name_looks(
+    ax: Axes, lines: Sequence[_Curve], entries: Sequence[points.Entry], dashed: str
+) -> None:
+    """Legend entries of colours and of dashes, each by the words that it tells."""
+    pairs = [pair for pair in zip(lines, entries, strict=True) if pair[0].is_known]
+    colours = {points.stem(one.without(dashed)): entry.colour for one, entry in pairs}
+    for word, colour in colours.items():
+        ax.plot([], [], color=colour, label=word, **style.COLOUR_ALONE)
+    dashes = {one.words[dashed]: entry.dash for one, entry in pairs if one.words.get(dashed)}
+    for word, dash in dashes.items():
+        ax.plot([], [], ls=dash, color=style.BLACK, label=word)
 
 
 def _refuse_without(layer: points.Layer, names: Sequence[str]) -> None:
@@ -331,7 +384,7 @@ def variables_of(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
 
 @dataclass(frozen=True)
 class _Curve:
-    """One line: the words for its place, and for its variable if several share the panel.
+    """One line: the words for its place by dim, and for its variable if several share the panel.
 
     `open` are the points whose class is undecided: their numbers are those of some stretch of time.
     `ends` are the least and the greatest that each may be, `error` is how far it may be off:
@@ -341,7 +394,7 @@ class _Curve:
     of all for which it stands.
     """
 
-    label: str
+    words: Mapping[str, str]
     x: np.ndarray
     y: np.ndarray
     open: np.ndarray
@@ -365,6 +418,25 @@ class _Curve:
             (self.y, self.error, *self.ends), (other.y, other.error, *other.ends), strict=True
         )
         return all(np.allclose(a, b, rtol=UPON, atol=0.0, equal_nan=True) for a, b in pairs)
+
+    @property
+    def label(self) -> str:
+        """All of its words."""
+        return self.without("")
+
+    def without(self, dim: str) -> str:
+        """Its words but those of a dim."""
+        return points.joined(*(word for own, word in self.words.items() if own != dim))
+
+    @property
+    def is_random(self) -> bool:
+        """Whether it is of a member of random starts."""
+        return points.stem(self.label) != self.label
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it has any value."""
+        return bool(np.isfinite([self.y, *self.ends]).any())
 
     @property
     def is_marked(self) -> bool:
@@ -418,9 +490,9 @@ def _curves(
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
         jumps = (np.flatnonzero(apart) + 1).tolist()
-        label = points.joined(words, layer.label, line.label)
+        told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
-        curves.append(_Curve(label, x, y, open_, (ends[0], ends[1]), error, jumps, limits=limits))
+        curves.append(_Curve(told_by, x, y, open_, (ends[0], ends[1]), error, jumps, limits=limits))
     return curves
 
 
@@ -459,8 +531,8 @@ def _of_branches(layer: points.Layer, name: str, axis: xr.DataArray, several: bo
         sure = np.zeros(x.size, bool)
         look: dict[str, Any] = {"dash": branch.DASHES.get(word, "-"), "mark": {"marker": "None"}}
         what = x, y, sure, (y, y), np.zeros(x.size)
-        label = points.joined(own, line.label)
-        curves.append(_Curve(label, *what, **look, sort=f"{word} cycle"))
+        words = {DATASET: own, **line.words}
+        curves.append(_Curve(words, *what, **look, sort=f"{word} cycle"))
     return curves
 
 
@@ -476,13 +548,13 @@ def _without_axis(
     if _is_at_one_place(layer.dataset, first, axis):
         at = layer.dataset[axis.name].values.reshape(1).astype(float)
     flat = [
-        (points.joined(layer.label, line.label), np.full(at.size, float(array.isel(line.index))))
+        ({DATASET: layer.label, **line.words}, np.full(at.size, float(array.isel(line.index))))
         for line in points.lines(layer.dataset, [], [str(dim) for dim in array.dims])
     ]
     sure, mark = np.zeros(at.size, bool), {"marker": "None"} if at.size > 1 else PLACE
     return [
-        _Curve(label, at, y, sure, (y, y), np.zeros(at.size), mark=mark)
-        for label, y in flat
+        _Curve(words, at, y, sure, (y, y), np.zeros(at.size), mark=mark)
+        for words, y in flat
         if np.isfinite(y).all()
     ]
 
@@ -512,7 +584,8 @@ def _by_sort(
     along = [str(d) for d in array.dims if d != "crossing"]
     curves = []
     for line in points.lines(dataset, [dim], along):
-        label = points.joined(words, layer.label, line.label)
+        told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
+        is_told = any(told_by.values())
         for sort, mask in sorts.items() if len(every) > 1 else [("", True)]:
             number = every.index(sort) if sort else 0
             dash = style.dash(number, len(every))
@@ -525,8 +598,9 @@ def _by_sort(
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), error[at])
-                dashed = {"dash": dash, "mark": mark, "sort": sort} if label else {}
-                curves.append(_Curve(label or sort, *found, **dashed, of_crossings=True))
+                dashed = {"dash": dash, "mark": mark, "sort": sort} if is_told else {}
+                own = told_by if is_told else {"sort": sort}
+                curves.append(_Curve(own, *found, **dashed, of_crossings=True))
     return curves
 
 

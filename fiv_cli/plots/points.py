@@ -372,9 +372,10 @@ def of_all(names: Sequence[str]) -> str:
 
 
 def is_of(whose: str, entry: str) -> bool:
-    """Whether what is called `whose` belongs to an entry of a legend, be it one `of_all`."""
-    pairs = itertools.zip_longest(entry.split(", "), whose.split(", "), fillvalue="")
-    return all(not told or own == told or own in told.split(BOTH) for told, own in pairs)
+    """Whether what is called `whose` has the words of an entry of a legend, be it one `of_all`."""
+    own = whose.split(", ")
+    words = filter(None, entry.split(", "))
+    return all(told in own or not {*own}.isdisjoint(told.split(BOTH)) for told in words)
 
 
 def unlisted(*words: str) -> str:
