@@ -47,6 +47,8 @@ MEAN = 'take = { what = "mean", over = "v" }'
 CLASSES = 'take = { what = "classes", over = "v" }'
 
 
+SEVERAL = 'variable = ["L_s", "growth_rate"]'
+START_AXIS = '[grid]\n"initial.x" = [0.0, 0.1, 0.2]'
 LESS = "{{ less_than = {{ {} }} }}"
 THERE = "claim.0.expect.less_than"
 OVER = f"{THERE}.take.over"
@@ -91,6 +93,8 @@ def problem(text: str) -> Problem:
         claim("response_frequency", COMPARED),
         claim("L_s", LESS.format('take = { what = "mean", over = "v" }'), TAKE),
         figure('kind = "curve"', 'variable = ["x_min", "x_max"]'),
+        figure('kind = "curve"', SEVERAL),
+        figure('kind = "curve"', 'x = "v"', SEVERAL, "select = { mode = 0 }"),
         figure('kind = "history"', 'variable = "friction_power"'),
         figure('kind = "curve"', "log = true", "xlim = [0.1, 1]"),
         figure('kind = "curve"', 'log = "y"', "xlim = [0, 1]"),
@@ -164,10 +168,24 @@ def test_what_will_be_there(text: str) -> None:
         (claim("stable", '"yess"'), "claim.0.expect", "no class 'yess'"),
         (figure('kind = "curve"', 'variable = "L_S"'), "figure.0.variable", "did you mean 'L_s'"),
         (figure('kind = "curve"', 'variable = ["L_s", "z"]'), "figure.0.variable", "'z'"),
+        (plane(SEVERAL), "figure.0.variable", "of one analysis"),
+        *(
+            (
+                figure('kind = "curve"', x, SEVERAL).replace("[grid]", START_AXIS),
+                "figure.0.x",
+                "'growth_rate' of the analysis 'eigenvalues' has no axis 'initial.x'",
+            )
+            for x in ('x = "initial.x"', "")
+        ),
         (
-            figure('kind = "curve"', 'variable = ["L_s", "growth_rate"]'),
+            figure('kind = "curve"', SEVERAL) + '[[analysis]]\nname = "again"\nkind = "response"\n',
             "figure.0.variable",
-            "of one analysis",
+            "2 analyses compute 'L_s'",
+        ),
+        (
+            figure('kind = "curve"', SEVERAL, "select = { crossing = 0 }"),
+            "figure.0.select.crossing",
+            "has no axis 'crossing'",
         ),
         (figure('kind = "curve"', 'y = "L_S"'), "figure.0.y", "did you mean 'L_s'"),
         (figure('kind = "curve"', "log = true", "xlim = [0, 1]"), "figure.0.xlim", "above 0"),

@@ -1107,6 +1107,28 @@ def looks_of(ax, look):
     return {line.get_label().strip("_"): getattr(line, f"get_{look}")() for line in lines}
 
 
+def test_a_curve_shows_variables_of_several_analyses():
+    """Of each the points without answer are marked in its colour, and the starts selected."""
+    critical, motion = data.crossings().isel(crossing=[0]), data.bifurcation().isel(Omega=[0, 1, 2])
+    motion = motion.rename(Omega="R").assign_coords(critical["R"].coords)
+    motion["L_s"].attrs |= {"units": "N", "long_name": "half range"}
+    motion["status"][2, 1], motion["L_s"][2, 1] = data.STATUS.index("failed"), np.nan
+    asked = figure("curve", variable=["critical_value", "L_s"], select={"initial": "far"})
+    (ax,) = draw({"critical": critical, "motion": motion}, asked).axes
+    names, told = ["critical value of $A_{b}$ (N)", "half range $L_s$ (N)"], "failed: half range"
+    assert legend_texts(ax) == [*names, f"{told} $L_s$ (N)"]
+    np.testing.assert_array_equal(marks(ax, names[0])[:, 1], critical["critical_value"][:, 0])
+    np.testing.assert_array_equal(marks(ax, names[1])[:, 1], motion["L_s"][:, 1])
+    colours = looks_of(ax, "color")
+    assert colours[f"{told} $L_s$ (N)"] == colours[names[1]] != colours[names[0]]
+    with pytest.raises(UsageError, match="initial: no axis"):
+        wanted = figure("curve", x="initial", variable=["L_s", "critical_value"])
+        draw({"critical": critical, "motion": motion}, wanted)
+    with pytest.raises(UsageError, match="L_s: not in this dataset"):
+        wanted = figure("curve", analysis="critical", variable="L_s")
+        draw({"critical": critical, "motion": motion}, wanted)
+
+
 def test_a_value_has_one_colour_in_all_panels_and_each_contact_its_dashes():
     """The table has every line by all of its words."""
     drawn = draw(over_preloads(), figure("curve", x="Omega", variable=["L_s", "stick_fraction"]))

@@ -14,7 +14,7 @@ from fiv_cli.analyses.catalogue import ALL_ASKED, computed_by, variables_of
 from fiv_cli.analyses.variables import COMPUTED, Variable, derived
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import Bounds, OfClass, Reference, Trend, parse_condition
-from fiv_cli.case.places import Places
+from fiv_cli.case.places import NUMERIC, Places
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import COUNTED, MOST_LINES, FigureKind
 from fiv_cli.case.toml import toml_value
@@ -104,9 +104,12 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         asked = "curve", of_classes, known.get(drawn), beside, (*place, "select")
         results = _check_classes(*asked, report)
         own = {n: one for n, one in selected.items() if n not in {*of_lines, *results}}
-        places.check(own, (*place, "select"), report)
+        every = [of for name in sound for of in [_places(case, held, analysis, name)] if of]
+        for name, wanted in own.items():  # each is of the first analysis that has it
+            of = next((of for of in every if name in (*of.grid, *of.own)), places)
+            of.check({name: wanted}, (*place, "select"), report)
     if len(sound) == len(names) > 1 and analysis is None:
-        _check_of_one_analysis(names, held, (*place, key), report)
+        _check_of_several(figure, case, names, held, (*place, key), report)
     if analysis is None and figure.kind in ("curve", "map", "basin"):
         _check_of_which(sound, held, (*place, key), report)
 
@@ -170,14 +173,41 @@ def _check_line(
             report.add(place, f"{name!r} has a value for each {dim}", f"select = {{ {dim} = 0 }}")
 
 
-def _check_of_one_analysis(names: Sequence[str], held: Held, place: Path, report: Report) -> None:
-    """Note variables of which no analysis has all: a figure shows one."""
+def _check_of_several(
+    figure: FigureSpec, case: Case, names: Sequence[str], held: Held, place: Path, report: Report
+) -> None:
+    """Note variables of which no analysis has all: a curve alone shows them, along one axis."""
     of = {analysis: {v.name for v in variables or ()} for analysis, variables in held.items()}
     homes = {name: [analysis for analysis, own in of.items() if name in own] for name in names}
-    if all(homes.values()) and not any(own.issuperset(names) for own in of.values()):
+    if not all(homes.values()) or any(own.issuperset(names) for own in of.values()):
+        return
+    if figure.kind != "curve":
         told = ", ".join(f"{name} is of {' and '.join(home)}" for name, home in homes.items())
         message = "a figure shows variables of one analysis"
         report.add(place, message, told, "write a figure for each")
+        return
+    for name, home in homes.items():
+        if len(home) > 1:
+            message = f"{len(home)} analyses compute {name!r}, and this figure cannot say which"
+            alone = f'a figure of it alone, with analysis = "{home[-1]}"'
+            report.add(place, message, listed(home), alone)
+    if report.is_sound((*place[:-1], "x")):
+        _check_along(figure.settings.get("x"), names, case, held, (*place[:-1], "x"), report)
+
+
+def _check_along(
+    x: str | None, names: Sequence[str], case: Case, held: Held, place: Path, report: Report
+) -> None:
+    """Note variables of several analyses that do not vary along the axis of their curve."""
+    numeric = [axis for axis in case.axes if axis.kind in NUMERIC]
+    longest = max(numeric or case.axes, key=lambda axis: len(axis.values), default=None)
+    along = x or (longest.name if longest else "")
+    for name in names:
+        places = _places(case, held, None, name)
+        if along and places is not None and along not in places.grid:
+            message = f"{name!r} of the analysis {places.name!r} has no axis {along!r}"
+            several = "a curve shows variables of several analyses along an axis that all have"
+            report.add(place, message, listed([*places.grid]), several)
 
 
 def _check_of_which(names: Sequence[str], held: Held, place: Path, report: Report) -> None:

@@ -72,7 +72,8 @@ FIGURES = {
         ("x", "variable"),
     ),
     "curve": (
-        "a variable along an axis, a line for each start; of a dataset without the axis, across",
+        "variables along an axis, of all analyses of the case that have it, a line for each start; "
+        "of a dataset without the axis, across",
         ("x", "y", "variable", "take"),
     ),
     "branch": ("branches of cycles and their ends, along their parameter", ()),

@@ -57,6 +57,7 @@ UNSURE = {
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
 SAME = 1e-6  # relative distance of values of one motion
+STEP = 3.0  # times those beside it: a step that no curve takes
 SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
 SMALL = 0.02  # ... or of all values
@@ -91,44 +92,90 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
     No line leads through these, nor from a point of one class to a neighbour of another.
     """
-    dataset = layers[0].dataset
-    names = variables_of(dataset, settings)
-    for layer in layers:
-        _refuse_without(layer, names)
-    panels, axis = _panels(dataset, names), points.abscissa(dataset, settings)
-    along = [layers[0], *(one for one in layers[1:] if select.has_axis(one.dataset, axis.name))]
-    sorts = list(dict.fromkeys(sort for layer in layers for sort in _sorts(layer.dataset)))
-    drawn = [
-        (place, curve)
-        for layer in layers
-        for place, own in enumerate(panels)
-        for name in own
-        for curve in (
-            _curves(layer, name, len(own) > 1, settings, sorts)
-            if any(layer is one for one in along)
-            else _of_branches(layer, name, axis, len(layers) - len(along) > 1)
-            or _without_axis(layer, name, dataset, axis)
-        )
-    ]
-    drawn = _each_once(drawn)
-    points.refuse_empty(dataset, any(one.is_known for _, one in drawn), names[0])
+    axis = points.abscissa(layers[0].dataset, settings)
+    settings = {**settings, "x": str(axis.name)}  # of every analysis and file
+    names = variables_of(layers[0], settings)
+    parts = {name: [_having(layer, name) for layer in layers] for name in names}
+    along = {name: _along(own, axis) for name, own in parts.items()}
+    panels = _panels({name: own[0].dataset[name] for name, own in parts.items()})
+    drawn = _each_once([*_lines(parts, along, panels, axis, settings)])
+    points.refuse_empty(layers[0].dataset, any(one.is_known for _, one in drawn), names[0])
     title = points.title(*(layer.dataset for layer in layers))
     figure, axes = style.new_panels(len(panels), 1, title, sharex=True)
     numeric = select.is_numeric(axis)
-    bare = [n for n, own in enumerate(panels) if not numeric or flag_names(dataset[own[0]].attrs)]
+    bare = [n for n, own in enumerate(panels) if not numeric or _is_of_classes(own)]
     dashed, every = _told_by_dashes(drawn, bare), [curve for _, curve in drawn]
     entries = _entries(every, dashed)
     if dashed:
         _name_looks(axes[0], every, entries, dashed)
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
-        logarithmic = points.is_logarithmic(settings, "y")
-        barred = _panel(ax, [dataset[name] for name in own], lines, numeric, logarithmic)
-        if barred and any(_is_of_a_sample(layer.dataset, name) for layer in along for name in own):
+        barred = _panel(ax, own, lines, numeric, points.is_logarithmic(settings, "y"))
+        sampled = (_is_of_a_sample(one.dataset, name) for name in own for one in along[name])
+        if barred and any(sampled):
             ax.plot([], [], color=style.BLACK, label="standard error", **ERROR_BAR)
     told = "undecided" if names == ["attractor"] else ""
-    points.dress(axes, along, settings, told)
+    points.dress(axes, _with_gaps(along), settings, told)
     return figure
+
+
+def _having(layer: points.Layer, name: str) -> points.Layer:
+    """The layer as the analysis of its case that has a variable.
+
+    Raises
+    ------
+    UsageError : none has what the dataset before it is drawn of
+    """
+    for dataset in (layer.dataset, *layer.beside):
+        if name in dataset:
+            return replace(layer, dataset=dataset)
+    raise UsageError(
+        f"{layer.label}: no {name}, which this curve shows of the other datasets\n"
+        f"next: draw it alone (fiv plot FILE.nc), or say in the figure which variable all "
+        f"have; it has {listed(headlines(layer.dataset))}"
+    )
+
+
+def _along(parts: Sequence[points.Layer], axis: xr.DataArray) -> list[points.Layer]:
+    """The first of some datasets, and those that have its axis."""
+    return [parts[0], *(one for one in parts[1:] if select.has_axis(one.dataset, axis.name))]
+
+
+def _with_gaps(along: Mapping[str, Sequence[points.Layer]]) -> list[points.Layer]:
+    """Each dataset whose gaps are marked; of several analyses called by what is shown of it."""
+    several = len({id(own[0].dataset) for own in along.values()}) > 1
+    found = {}
+    for name, own in along.items():
+        for one in own:
+            words = labels.axis_label(one.dataset[name]) if several else ""
+            found[id(one.dataset), words] = replace(one, label=points.joined(words, one.label))
+    return [*found.values()]
+
+
+def _lines(
+    parts: Mapping[str, Sequence[points.Layer]],
+    along: Mapping[str, Sequence[points.Layer]],
+    panels: Sequence[Mapping[str, xr.DataArray]],
+    axis: xr.DataArray,
+    settings: points.Settings,
+) -> Iterator[tuple[int, _Curve]]:
+    """The lines of each panel, by its number, one dataset after the other.
+
+    Of each variable there are the `parts` that have it, some of which vary `along` the axis.
+    """
+    every = chain(*parts.values())
+    sorts = list(dict.fromkeys(sort for one in every for sort in _sorts(one.dataset)))
+    count = max(map(len, parts.values()))
+    for number, (place, own) in product(range(count), enumerate(panels)):
+        for name in own:
+            part, rest = parts[name][number], len(parts[name]) - len(along[name])
+            curves = (
+                _curves(part, name, len(own) > 1, settings, sorts)
+                if any(part is one for one in along[name])
+                else _of_branches(part, name, axis, rest > 1)
+                or _without_axis(part, name, parts[name][0].dataset, axis)
+            )
+            yield from ((place, curve) for curve in curves)
 
 
 def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
@@ -212,30 +259,18 @@ def _name_looks(
         ax.plot([], [], ls=dash, color=style.BLACK, label=word)
 
 
-def _refuse_without(layer: points.Layer, names: Sequence[str]) -> None:
-    """UsageError of a dataset that has not all that the one before it is drawn of."""
-    lacking = [name for name in names if name not in layer.dataset]
-    if lacking:
-        raise UsageError(
-            f"{layer.label}: no {listed(lacking)}, which this curve shows of the other datasets\n"
-            f"next: draw it alone (fiv plot FILE.nc), or say in the figure which variable all "
-            f"have; it has {listed(headlines(layer.dataset))}"
-        )
-
-
-def _panels(dataset: xr.Dataset, names: Sequence[str]) -> list[list[str]]:
+def _panels(variables: Mapping[str, xr.DataArray]) -> list[dict[str, xr.DataArray]]:
     """The variables of each panel: those of one unit, and each of classes by itself."""
-    panels: dict[tuple[str, str], list[str]] = {}
-    for name in names:
-        facts = dataset[name].attrs
-        kind = name if flag_names(facts) else ""
-        panels.setdefault((str(facts.get("units", "1")), kind), []).append(name)
+    panels: dict[tuple[str, str], dict[str, xr.DataArray]] = {}
+    for name, variable in variables.items():
+        kind = name if flag_names(variable.attrs) else ""
+        panels.setdefault((str(variable.attrs.get("units", "1")), kind), {})[name] = variable
     return list(panels.values())
 
 
 def _panel(
     ax: Axes,
-    variables: Sequence[xr.DataArray],
+    variables: Mapping[str, xr.DataArray],
     lines: Sequence[tuple[_Curve, points.Entry]],
     numeric: bool,
     logarithmic: bool,
@@ -245,32 +280,39 @@ def _panel(
     Tells whether the ends of some error bars are seen.
     """
     extent, barred = _extent([curve for curve, _ in lines], logarithmic), False
-    classes = bool(flag_names(variables[0].attrs))
+    classes = _is_of_classes(variables)
     for sort in dict.fromkeys(curve.sort for curve, _ in lines if curve.sort):
         own = sorted((c for c, _ in lines if c.sort == sort), key=lambda one: one.x.size)
         dash = own[-1].dash if own[-1].x.size > 1 else "none"
         mark = {**own[0].mark, **({} if own[0].is_marked else {"marker": "None"})}
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
+    crowd = max((np.isfinite(c.y).sum() for c, _ in lines if not c.of_crossings), default=0)
     for curve, entry in lines:
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
-        for named in _each_named(ax, curve, entry):
-            _plot(ax, curve, shift, named, apart)
+        most = 0 if curve.of_crossings else int(crowd)
+        for named in _each_named(ax, curve, entry, most):
+            _plot(ax, curve, shift, named, apart, most)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
     for told, look in UNSURE.items():
         if any(str(drawn.get_label()).endswith(told) for drawn in (*ax.lines, *ax.collections)):
             ax.plot([], [], color=style.BLACK, label=told, **look)
-    _name_values(ax, variables)
+    _name_values(ax, [*variables.values()])
     return barred
 
 
-def _each_named(ax: Axes, curve: _Curve, entry: points.Entry) -> Iterator[points.Entry]:
+def _is_of_classes(variables: Mapping[str, xr.DataArray]) -> bool:
+    """Whether the variables of a panel are classes."""
+    return any(flag_names(one.attrs) for one in variables.values())
+
+
+def _each_named(ax: Axes, curve: _Curve, entry: points.Entry, most: int) -> Iterator[points.Entry]:
     """How a line is drawn; under the names of those that it hides it is in tables alone."""
     if len(curve.names) < 2:
         yield entry
         return
-    look = {**curve.mark, **({"marker": "None"} if _marked_where_seen(ax, curve.y) else {})}
+    look = {**curve.mark, **({"marker": "None"} if _marked_where_seen(ax, curve.y, most) else {})}
     ax.plot([], [], ls=entry.dash, color=entry.colour, label=entry.label, **look)
     for number, name in enumerate(curve.names):
         before = {*ax.get_children()}
@@ -288,7 +330,9 @@ def _extent(curves: Sequence[_Curve], logarithmic: bool) -> float:
     return float(np.ptp(heights)) if heights.size else 0.0
 
 
-def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool) -> None:
+def _plot(
+    ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool, most: int
+) -> None:
     """One line; without lines between points that stand `apart`."""
     y = np.where(curve.is_wide, np.nan, curve.y) + shift
     look = {"color": entry.colour, **curve.mark}
@@ -297,7 +341,7 @@ def _plot(ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: boo
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
     if not apart:
-        look |= _marked_where_seen(ax, cut) if curve.is_marked else {"marker": "None"}
+        look |= _marked_where_seen(ax, cut, most) if curve.is_marked else {"marker": "None"}
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
@@ -332,10 +376,13 @@ def _plot_errors(
     return bool(wide.size)
 
 
-def _marked_where_seen(ax: Axes, heights: np.ndarray) -> dict[str, Any]:
-    """Marks at all points; where these would hide the line, at those alone that no line meets."""
+def _marked_where_seen(ax: Axes, heights: np.ndarray, most: int) -> dict[str, Any]:
+    """Marks at all points; where these would hide a line, at those alone that no line meets.
+
+    `most` are the points of the longest of the lines that look alike.
+    """
     known, room = np.isfinite(heights), ACROSS * ax.figure.figure.get_figwidth() * style.POINTS
-    if np.count_nonzero(known) * DOT["ms"] < room:
+    if max(most, np.count_nonzero(known)) * DOT["ms"] < room:
         return {}
     beside = np.pad(known, 1)
     alone = np.flatnonzero(known & ~beside[:-2] & ~beside[2:]).tolist()
@@ -371,15 +418,20 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
     return sorted(headlines(dataset), key=lambda name: bool(flag_names(dataset[name].attrs)))
 
 
-def variables_of(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
+def variables_of(layer: points.Layer, settings: points.Settings) -> list[str]:
     """The variables that the figure names (``variable``, or ``y``), else the preferred one.
 
     Raises
     ------
-    UsageError : the dataset has no such variable
+    UsageError : neither the dataset nor, where no analysis is named, one beside it has it
     """
-    default = settings.get("y", next(iter(_headlines(dataset)), "variable"))
-    return [points.known_variable(dataset, name) for name in points.variables(settings, default)]
+    default = settings.get("y", next(iter(_headlines(layer.dataset)), "variable"))
+    others = () if "analysis" in settings else layer.beside
+    beside = {name for dataset in others for name in dataset.data_vars}
+    return [
+        name if name in beside else points.known_variable(layer.dataset, name)
+        for name in points.variables(settings, default)
+    ]
 
 
 @dataclass(frozen=True)
@@ -475,6 +527,7 @@ def _curves(
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
+    passages = dataset.get("multiplicity", dataset["status"]).broadcast_like(array)
 
     def beside(line: points.Line, dim: str) -> np.ndarray:
         """The values of all starts at what a line holds fixed, shape (starts, points)."""
@@ -483,12 +536,16 @@ def _curves(
 
     curves = []
     for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
-        y, open_, told, error, *ends = (
+        y, open_, told, counts, error, *ends = (
             one.isel(line.index).values
-            for one in (array, unsure & array.notnull(), classes, errors, *ends_of(dataset, name))
+            for one in (
+                *(array, unsure & array.notnull(), classes, passages, errors),
+                *ends_of(dataset, name),
+            )
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
+        apart |= _changes_period(y, counts)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
@@ -504,6 +561,16 @@ def _changes_over(y: np.ndarray, starts: np.ndarray) -> np.ndarray:
     with_, steps = np.isclose(starts, y, rtol=SAME, atol=0.0), np.abs(np.diff(starts, axis=1))
     met = with_[:, 1:] != with_[:, :-1]
     return np.asarray((met & (steps < SHARE_OF_STEP * np.abs(np.diff(y)))).any(axis=0))
+
+
+def _changes_period(y: np.ndarray, passages: np.ndarray) -> np.ndarray:
+    """Between which neighbours a line steps by more than beside it, to a cycle of other passages.
+
+    Where a cycle gains a stick on the way the line goes on.
+    """
+    steps, differ = np.abs(np.diff(y)), passages[1:] != passages[:-1]
+    alike = np.pad(np.where(differ, 0.0, np.nan_to_num(steps)), 1)
+    return np.asarray(differ & (steps > STEP * np.maximum(alike[:-2], alike[2:])))
 
 
 def _narrowed(

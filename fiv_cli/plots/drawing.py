@@ -304,13 +304,15 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     """The analysis that the figure is about, narrowed to what it selects."""
     wanted = figure.settings.get("analysis")
     named = [analyses[wanted]] if wanted in analyses else _own_first(analyses, figure.kind)
+    first = _listed(figure.settings.get("variable", []))[:1]
+    having = (d for d in named if all(name in d for name in first) and kind.suits(d))
     # a dataset that no figure of the kind suits is drawn anyway: the kind says what it lacks
-    dataset = next((d for d in named if _holds(d, figure) and kind.suits(d)), named[0])
+    dataset = max(having, key=lambda d: _holds(d, figure), default=named[0])
     selection = figure.settings.get("select", {})
     others = [*(d for d in analyses.values() if d is not dataset), *lent(_lined(figure))]
     beside = tuple(_selected(d, selection) for d in others)
     narrowed = select.subset if kind.suits(dataset) else _selected
-    of_lines = _axes_of_lines(figure, beside) - {*select.axis_names(dataset)}
+    of_lines = _axes_of_lines(figure, dataset, beside) - {*select.axis_names(dataset)}
     results = {name: selection[name] for name in selection if name in dataset.data_vars}
     own = {axis: selection[axis] for axis in selection if axis not in {*of_lines, *results}}
     part = _of_classes(narrowed(dataset, own), results)
@@ -344,9 +346,13 @@ def _listed(names: str | list[str]) -> list[str]:
     return [names] if isinstance(names, str) else names
 
 
-def _axes_of_lines(figure: FigureSpec, beside: Sequence[xr.Dataset]) -> set[str]:
-    """The axes of other analyses of whose variables a map draws lines, such as their mode."""
-    holding = [one for one in beside if not {*map(str, one.data_vars)}.isdisjoint(_lined(figure))]
+def _axes_of_lines(
+    figure: FigureSpec, dataset: xr.Dataset, beside: Sequence[xr.Dataset]
+) -> set[str]:
+    """The axes of other analyses of whose variables lines are drawn, such as their mode."""
+    lacking = {*_listed(figure.settings.get("variable", []))} - {*dataset.data_vars}
+    drawn = lacking.union(_lined(figure))
+    holding = [one for one in beside if not drawn.isdisjoint(map(str, one.data_vars))]
     return {axis for one in holding for axis in select.axis_names(one)}
 
 
