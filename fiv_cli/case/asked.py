@@ -125,6 +125,9 @@ def _check_levels(
     if count > MOST_LINES:
         message = f"{count} lines in one map cannot be told apart"
         report.add(at, message, f"{MOST_LINES} levels, or a figure for each few")
+    if figure.settings.get("overlay") and {*of} - {*_mapped(figure, held, mapped)}:
+        message = "overlay shows the lines of the variable that is mapped, alone"
+        report.add((*at[:-1], "overlay"), message, "level = NUMBER, or leave overlay out")
     known = _known(case, held, None, with_motions=False)
     taken = figure.settings.get("take", {}).get("what")
     axes = {"crossing"} if any(isinstance(own, str) for own in of.values()) else set()

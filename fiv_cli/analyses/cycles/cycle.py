@@ -58,7 +58,7 @@ def variables(subject: Subject) -> list[Variable]:
         Variable(
             "cycle_section",
             "1",
-            f"point of the cycle at the section, where {observed} is least",
+            f"point of the cycle at the section, of several that with the least {observed}",
             "state",
             comment="each state in its own unit (state_units)",
             velocities=True,
