@@ -317,6 +317,21 @@ def test_what_all_of_many_starts_lead_to_has_one_mark():
     assert "all starts" not in legend_texts(ax)
 
 
+@pytest.mark.parametrize(
+    ("step", "kind", "breaks"),
+    [(0.1, "multiplicity", 1), (0.1, "stick_fraction", 1), (0.0, "multiplicity", 0), (0.1, "", 0)],
+)
+def test_a_curve_breaks_where_it_steps_to_a_cycle_of_another_kind(step, kind, breaks):
+    """Of another period, or with another contact in stick; not where it goes on through grazing."""
+    dataset = data.bifurcation().isel(initial=[0], Omega=slice(0, 10))
+    later = np.arange(10) >= 5
+    dataset["L_s"].values[:, 0] = 1e-3 * np.arange(10) + step * later
+    if kind:
+        dataset[kind] = dataset["status"].copy(data=later[:, None] + 1 - (kind != "multiplicity"))
+    line = draw(dataset, figure("curve", variable="L_s")).axes[0].lines[0]
+    assert np.isnan(line.get_ydata()).sum() == breaks
+
+
 def test_marks_of_a_dense_diagram_are_smaller():
     few = data.bifurcation()
     many = few.isel(section_obs=np.repeat(np.arange(few.sizes["section_obs"]), 40))

@@ -46,6 +46,7 @@ MARKS = {
 HOLLOW: dict[str, Any] = {"mfc": "none", "mew": 0.6, "ms": 4.5, "ls": "none"}
 TOLD = {"equilibrium": "ends at an equilibrium", "bracket": "goes on beyond the bracket"}
 LARGER = {"*": 1.7}  # of other marks: a star of their size is a dot
+ALIKE = 1e-3  # of changes and ends, which have errors of their own
 MOST_BENEATH = 2  # lines that are seen beneath another
 SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
 LEFTWARDS = "<"
@@ -96,11 +97,10 @@ def _branch(
 ) -> set[str]:
     """One branch: both extremes, in pieces of one stability, and its marks; their stabilities.
 
-    That of an earlier start is wider: starts may lead to one and the same.
+    That of an earlier start is wider where later ones lead to one and the same.
     """
     pieces = [*stretches(dataset, index)]
-    after = dataset.sizes.get("initial", 1) - 1 - index.get("initial", 0)
-    wide = mpl.rcParams["lines.linewidth"] * (1 + min(after, MOST_BENEATH))
+    wide = mpl.rcParams["lines.linewidth"] * (1 + min(_upon(dataset, index), MOST_BENEATH))
     for word, value, extremes, _ in pieces:
         for height in extremes:
             told = points.unlisted(entry.label, word)
@@ -109,6 +109,14 @@ def _branch(
     draw_marks(ax, dataset, index, entry.colour, entry.label)
     ax.plot([], [], color=entry.colour, label=entry.label, **style.COLOUR_ALONE)
     return {piece.stability for piece in pieces}
+
+
+def _upon(dataset: xr.Dataset, index: Mapping[str, int]) -> int:
+    """How many later starts lead to the same branch: it has the same changes and ends."""
+    first, count = index.get("initial", 0), dataset.sizes.get("initial", 1)
+    rows = [_rows(dataset, "cycle_end", {**index, "initial": n}) for n in range(first, count)]
+    own, *others = (np.sort(dataset["cycle_end"].values[row]) for row in rows)
+    return sum(own.shape == one.shape and np.allclose(one, own, rtol=ALIKE) for one in others)
 
 
 def draw_marks(

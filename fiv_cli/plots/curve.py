@@ -57,6 +57,7 @@ UNSURE = {
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
 SAME = 1e-6  # relative distance of values of one motion
+MANY = 1e6  # passages: more than any cycle has
 STEP = 3.0  # times those beside it: a step that no curve takes
 SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
@@ -527,7 +528,7 @@ def _curves(
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
-    passages = dataset.get("multiplicity", dataset["status"]).broadcast_like(array)
+    kinds = _kinds(dataset).broadcast_like(array)
 
     def beside(line: points.Line, dim: str) -> np.ndarray:
         """The values of all starts at what a line holds fixed, shape (starts, points)."""
@@ -536,16 +537,16 @@ def _curves(
 
     curves = []
     for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
-        y, open_, told, counts, error, *ends = (
+        y, open_, told, kind, error, *ends = (
             one.isel(line.index).values
             for one in (
-                *(array, unsure & array.notnull(), classes, passages, errors),
+                *(array, unsure & array.notnull(), classes, kinds, errors),
                 *ends_of(dataset, name),
             )
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
-        apart |= _changes_period(y, counts)
+        apart |= _changes_kind(y, kind)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
@@ -563,12 +564,21 @@ def _changes_over(y: np.ndarray, starts: np.ndarray) -> np.ndarray:
     return np.asarray((met & (steps < SHARE_OF_STEP * np.abs(np.diff(y)))).any(axis=0))
 
 
-def _changes_period(y: np.ndarray, passages: np.ndarray) -> np.ndarray:
-    """Between which neighbours a line steps by more than beside it, to a cycle of other passages.
+def _kinds(dataset: xr.Dataset) -> xr.DataArray:
+    """One number for how often a cycle passes the section, and which contacts stick on it."""
+    passages = numbers(dataset.get("multiplicity", dataset["status"]))
+    sticks = dataset.get("stick_fraction", passages * 0.0) > 0.0
+    if "contact" in sticks.dims:
+        sticks = (sticks * 2.0 ** np.arange(sticks.sizes["contact"])).sum("contact")
+    return passages.fillna(0.0) + MANY * sticks
 
-    Where a cycle gains a stick on the way the line goes on.
+
+def _changes_kind(y: np.ndarray, kinds: np.ndarray) -> np.ndarray:
+    """Between which neighbours a line steps by more than beside it, to a cycle of another kind.
+
+    Where a cycle gains a stick on its way the line goes on.
     """
-    steps, differ = np.abs(np.diff(y)), passages[1:] != passages[:-1]
+    steps, differ = np.abs(np.diff(y)), kinds[1:] != kinds[:-1]
     alike = np.pad(np.where(differ, 0.0, np.nan_to_num(steps)), 1)
     return np.asarray(differ & (steps > STEP * np.maximum(alike[:-2], alike[2:])))
 
