@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 suits = motion.suits
-OTHER_STICKS: dict[str, Any] = {"fill": False, "hatch": "//", "ec": "#777777", "lw": 0.0}
+# A bar at the top of a panel: however short a stick is, it is seen.
+OTHER_STICKS: dict[str, Any] = {"fc": "#555555", "ec": "#555555", "lw": 0.5}
+BAR = {"ymin": 0.965, "ymax": 1.0}
 SHADES = {"slip+": 0.15, "slip-": 0.3, "stick": 0.4, "separation": 0.4}
 LETTERS = 19  # for which a panel has room at least
 COLUMNS = 600  # short times over which the range of many samples is drawn ...
@@ -42,8 +44,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     every = [own for _, own in rows]
     contact = motion.named_contact(dataset, *every)
     words = motion.others_sticking(motions, *every)
-    key = {**OTHER_STICKS, "hatch": "/////"}  # as much of it as a key shows
-    others = [Patch(label=word, **key) for word in words]
+    others = [Patch(label=word, **OTHER_STICKS) for word in words]
     what = "range of samples" if all(map(_is_dense, motions)) else "samples"
     told = [*others, *motion.sampled(motions, names, what)]
     _legend(figure, axes, motion.states_present(motions, *every), told, contact)
@@ -84,7 +85,7 @@ def _panel(
     for state, begin, end in motion.contact_spans(one, settings):
         ax.axvspan(begin, end, **_shade(state))
     for _, begin, end in motion.other_sticks(one, settings):
-        ax.axvspan(begin, end, **OTHER_STICKS)
+        ax.axvspan(begin, end, **BAR, **OTHER_STICKS)
     values, many = motion.of_contact(one.data[name], settings), one.time.size > style.MANY_MARKS
     if name.endswith("_dot") and sampling.is_at_rest(one.data):
         values = np.zeros_like(values)  # what it has is rounding

@@ -13,7 +13,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
 from fiv_cli.errors import UsageError
-from fiv_cli.flags import NOT_COMPUTED
+from fiv_cli.flags import NOT_COMPUTED, ON_THE_WAY
 from fiv_cli.notation.names import pick
 from fiv_cli.plots import labels, levels, points, style
 from fiv_cli.plots.critical_lines import CriticalLines
@@ -116,6 +116,13 @@ class _Planes:
         """Where there is an answer."""
         return is_class(self.dataset["status"], ("ok", "budget"))
 
+    @property
+    def settled(self) -> xr.DataArray:
+        """Where its numbers are an answer: not of a motion that was on its way yet."""
+        if "reason" not in self.dataset:
+            return self.computed
+        return self.computed & ~is_class(self.dataset["reason"], ON_THE_WAY)
+
     def of(self, array: xr.DataArray, panel: points.Line) -> np.ndarray:
         """Values of one panel, shape (points along y, points along x)."""
         own = {dim: index for dim, index in panel.index.items() if dim in array.dims}
@@ -132,7 +139,7 @@ class _Planes:
             rests = is_class(reached, ("equilibrium",))
         parts = [rests, ~rests] if rests.any() else [~rests]
         return [
-            np.stack([self.of(numbers(end).where(self.computed & part), panel) for part in parts])
+            np.stack([self.of(numbers(end).where(self.settled & part), panel) for part in parts])
             for end in ends
         ]
 
@@ -436,7 +443,7 @@ def _paint_numbers(
     *,
     logarithmic: bool,
 ) -> None:
-    values = _with_rests(planes, numbers(planes.array).where(planes.computed))
+    values = _with_rests(planes, numbers(planes.array).where(planes.settled))
     unsure = _unsure(planes)[MIDDLE]
     if is_count(str(planes.array.name)):  # between one and two there is no number
         values = values.where(~unsure)

@@ -76,12 +76,21 @@ class Motion:
         return np.repeat(places, 2), np.stack([before, after], axis=-1).reshape(-1)
 
     def _met(self, values: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
-        """One value at each instant: beyond the samples beside it as far as both sides lead."""
+        """One value at each instant: beyond the samples beside it as far as both sides lead.
+
+        The side on which less changes up to it, as in stick, knows it better; one that has no
+        sample before the next instant knows nothing.
+        """
         last = np.searchsorted(self.time, self.instants, "right") - 1
         beside = np.sort([values[last], values[last + 1]], axis=0)
         least, greatest = np.sort([before, after], axis=0)
         low, high = np.minimum(beside[0], greatest), np.maximum(beside[1], least)
-        return np.clip(0.5 * (before + after), low, high)
+        off = np.abs(before - values[last]), np.abs(after - values[last + 1])
+        share = off[0] / np.maximum(off[0] + off[1], np.finfo(float).tiny)  # of what is after it
+        own, number = np.searchsorted(self.instants, self.time), np.arange(self.instants.size)
+        share[own[last] != number] = 1.0
+        share[own[last + 1] != number + 1] = 0.0
+        return np.clip(before + share * (after - before), low, high)
 
     def drawn(self, name: str, values: np.ndarray) -> np.ndarray:
         """Values of a variable over `drawn_time`.

@@ -51,7 +51,10 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
 GREY = "#BBBBBB"
 # Marks and their sizes, of dots: the first are seen around those that lie on them. Two neighbours
 # are a pair that is told apart where they coincide: a cross in a circle, a dot in a square.
-MARKS = (("o", 2.4), ("+", 1.9), ("s", 1.8), (".", 2.0))
+MARKS = (
+    *(("o", 2.4), ("+", 1.9), ("s", 1.8), (".", 2.0)),
+    *(("^", 2.2), ("x", 1.5), ("v", 2.2), ("D", 1.6)),
+)
 LINES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 COLOUR_ALONE: dict[str, Any] = {"lw": 5.0, "solid_capstyle": "butt"}  # a key that is no mark
 DASHES = ("-", "--", "-.", (0, (5, 1.5, 1, 1.5, 1, 1.5)))
@@ -610,7 +613,8 @@ def side_by_side(count: int, most: int, least: int) -> int:
     width = _LOOK.get().width
     if width is not None and least:
         most = max(1, min(most, _letters(width * MM) // least))
-    return min(count, most)
+    columns = min(count, most)
+    return -(-count // -(-count // columns))  # as many in each row, where that is as many rows
 
 
 def _given_panel(axis: Axes, count: int, title: str, form: object) -> tuple[Figure, list[Axes]]:
