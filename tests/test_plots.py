@@ -35,9 +35,11 @@ from fiv_cli.plots import (
     drawing,
     figures_of,
     look_of,
+    motion,
     points,
     save,
     smooth,
+    style,
 )
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.bifurcation import FINEST
@@ -1516,6 +1518,30 @@ def test_numbers_of_motions_that_had_not_settled_are_marked_on_a_map():
     assert not any(ax.lines for ax in decided.axes)
 
 
+def test_a_number_of_a_motion_on_its_way_is_no_value_of_a_map():
+    """It stretched the shades over what it had come to by then."""
+    dataset = data.stability_map().isel(Omega=slice(0, 18))
+    told = np.full(dataset["attractor"].shape, "none", dtype=object)
+    told[0, 0] = "time_budget"
+    codes = {"none": 0, "time_budget": 1}
+    dataset["reason"] = data.flags(dataset["attractor"].dims, told, codes)
+    dataset["L_s"].values[0, 0] = 1e9
+    drawn = draw(dataset, figure("map", variable="L_s"))
+    (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
+    assert mesh.norm.vmax < 1.0
+    assert legend_texts(drawn) == ["no value: undecided"]
+
+
+@pytest.mark.parametrize(("count", "columns"), [(1, 1), (3, 3), (4, 2), (5, 3), (6, 3)])
+def test_panels_stand_in_rows_that_are_as_long(count, columns):
+    assert style.side_by_side(count, 3, 0) == columns
+
+
+def test_eight_sorts_of_points_have_marks_that_are_told_apart():
+    looks = {style.mark_of(number, 8, 1.0)["marker"] for number in range(8)}
+    assert len(looks) == 8
+
+
 @pytest.mark.parametrize(("most", "shades"), [(3, 4), (40, 256)])
 def test_counts_have_a_shade_each_where_they_are_few(most, shades):
     dataset = data.stability_map()
@@ -2588,6 +2614,9 @@ def test_sticks_of_other_contacts_are_marked_where_none_is_asked_for(kind):
     assert "contact 2 sticks" in told[None] and "contact 1 sticks" not in told[None]
     assert not any("sticks" in word for word in told[1] + told[2])
     assert told[1, 2] == told[None]
+    (ax,) = draw(dataset, figure(kind, variable="phi")).axes
+    bars = [patch.get_extents().height / ax.bbox.height for patch in ax.patches]
+    assert kind == "phase" or min(bars) < 0.05 < 0.9 < max(bars)  # across, one is seen
 
 
 @pytest.mark.parametrize("kind", ["map", "curve"])
@@ -2711,6 +2740,16 @@ def test_motions_are_drawn_through_the_instants_of_their_events(sample):
     ends = np.array(sorted((s[-1] for s in segments if len(s) > 2), key=lambda p: p[0]))
     for corner in corners:
         np.testing.assert_allclose(np.min(np.abs(ends - corner).max(axis=1)), 0.0, atol=1e-12)
+
+
+def test_a_corner_without_a_sample_behind_it_is_as_what_is_before_leads_there():
+    """Where a second event comes before the next sample."""
+    time = np.arange(0.0, 2.05, 0.1)
+    speed = np.minimum(time / 0.95, 1.0)
+    found = xr.Dataset({"x": ("time", time), "x_dot": ("time", speed)}, {"time": time})
+    events = (motion.Event(0.95, 1, "slip+", "stick"), motion.Event(0.97, 2, "slip+", "slip-"))
+    drawn = motion.Motion("", time, found, events).drawn("x_dot", speed)
+    np.testing.assert_allclose(drawn[10:14], 1.0, atol=1e-12)
 
 
 def test_a_phase_portrait_points_in_the_direction_of_its_motion():

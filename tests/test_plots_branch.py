@@ -105,6 +105,21 @@ def test_marks_are_hollow_and_the_key_points_where_the_branch_goes_on(branches: 
     assert stable.get_color() == BLACK
 
 
+def test_a_branch_is_wide_only_where_another_start_leads_to_the_same(branches: xr.Dataset) -> None:
+    (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
+    alone = branches.squeeze("initial", drop=True) if "initial" in branches.dims else branches
+    apart = alone.drop_vars("N").rename(N="initial").assign_coords(initial=["a", "b"])
+    ends = np.tile(apart["cycle_end"].values[:3], 2)
+    same = apart.assign(cycle_end=apart["cycle_end"].copy(data=ends))
+    for dataset, wide in ((apart, 1.0), (same, 2.0)):
+        lines = draw(dataset, figure).axes[0].lines
+        first, second = (
+            next(line for line in lines if line.get_label() == f"_{start}, stable")
+            for start in ("a", "b")
+        )
+        assert first.get_linewidth() == pytest.approx(wide * second.get_linewidth())
+
+
 def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None:
     """Not at another of many cycles at one value of the parameter; once, where it is gone."""
     (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
