@@ -165,7 +165,8 @@ def run(
         where it was interrupted. None: nothing is kept
     workers : worker processes; 1: in this process
     fresh : throw away what is stored at `output`
-    progress : whether to tell stderr how far it is; or an object that is told
+    progress : whether to tell stderr how far it is; or an object that is told, with the methods of
+        `fiv_cli.sweep.progress.Progress`
 
     Returns
     -------

@@ -297,7 +297,7 @@ def test_a_family_from_several_starts_has_its_colour_and_each_start_its_mark():
 
 
 def test_what_all_of_many_starts_lead_to_has_one_mark():
-    """Each start has its own where one leads elsewhere; two over one another are told apart."""
+    """Each start has its own where one leads elsewhere."""
     two = data.bifurcation()
     counts = two["section_row_size"].values
     near = np.split(two["section_value"].values, np.cumsum(counts.ravel())[:-1])[::2]
@@ -315,8 +315,8 @@ def test_what_all_of_many_starts_lead_to_has_one_mark():
     assert [drawn[name].get_xdata().tolist() for name in "abc"] == [[0.5], [0.5], [0.5]]
     shared = drawn["all starts"].get_xydata()
     assert len(shared) == sum(map(len, near)) - len(near[0])
-    (ax,) = draw(two, figure("bifurcation")).axes
-    assert "all starts" not in legend_texts(ax)
+    (ax,) = draw(three, figure("bifurcation", select={"initial": ["a", "b"]})).axes
+    assert legend_texts(ax)[0] == "both starts"
 
 
 @pytest.mark.parametrize(
@@ -332,6 +332,15 @@ def test_a_curve_breaks_where_it_steps_to_a_cycle_of_another_kind(step, kind, br
         dataset[kind] = dataset["status"].copy(data=later[:, None] + 1 - (kind != "multiplicity"))
     line = draw(dataset, figure("curve", variable="L_s")).axes[0].lines[0]
     assert np.isnan(line.get_ydata()).sum() == breaks
+
+
+def test_files_of_which_one_has_an_axis_more_share_a_curve():
+    """Though a line of one lies upon a line of the other."""
+    one = data.bifurcation().isel(initial=[0])[["status", "attractor", "L_s"]]
+    parts = [one.assign_coords(c=c).expand_dims(c=[c]) for c in (0.0, 1.0)]
+    more = xr.concat(parts, "c").transpose("Omega", "initial", "c").assign_attrs(one.attrs)
+    (ax,) = draw([("two", more), ("one", one)], figure("curve", variable="L_s")).axes
+    assert any(np.isfinite(line.get_ydata()).any() for line in ax.lines)
 
 
 def test_marks_of_a_dense_diagram_are_smaller():

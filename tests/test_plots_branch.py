@@ -110,7 +110,9 @@ def test_a_branch_is_wide_only_where_another_start_leads_to_the_same(branches: x
     alone = branches.squeeze("initial", drop=True) if "initial" in branches.dims else branches
     apart = alone.drop_vars("N").rename(N="initial").assign_coords(initial=["a", "b"])
     ends = np.tile(apart["cycle_end"].values[:3], 2)
-    same = apart.assign(cycle_end=apart["cycle_end"].copy(data=ends))
+    extremes = {f"branch_{end}": apart[f"branch_{end}"] for end in ("min", "max")}
+    level = {name: one.copy(data=np.full(one.shape, 1.0)) for name, one in extremes.items()}
+    same = apart.assign(cycle_end=apart["cycle_end"].copy(data=ends), **level)
     for dataset, wide in ((apart, 1.0), (same, 2.0)):
         lines = draw(dataset, figure).axes[0].lines
         first, second = (

@@ -46,7 +46,7 @@ SECTION_WORDS = {
     "impact": "an impact",
 }
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1)}
-SHARED = "all starts"
+SHARED = "both starts", "all starts"
 SAME = 1e-6  # relative distance of values of one motion
 ALIKE = 1e-3  # of heights that are the same in a figure
 
@@ -171,36 +171,37 @@ def _clouds(
 
 
 def _shared_apart(clouds: Sequence[_Cloud]) -> Iterator[_Cloud]:
-    """With a cloud of its own for what all of more than two starts lead to.
-
-    Two marks over one another are seen, and say that both do; more are a tangle.
-    """
+    """With a cloud of its own for what all starts lead to: their marks would be a tangle."""
     for _, group in itertools.groupby(clouds, lambda cloud: cloud.family):
         family = [*group]
         starts = {points.stem(cloud.start) for cloud in family}
-        shared = _where_alike(family) if 2 < len(starts) == len(family) else np.zeros(0)
+        shared = _where_alike(family) if 1 < len(starts) == len(family) else np.zeros(0)
         yield from (_at(cloud, shared, without=True) for cloud in family)
         if shared.size:
-            yield replace(_at(family[0], shared), start=SHARED)
+            yield replace(_at(family[0], shared), start=SHARED[len(starts) > 2])
 
 
 def _where_alike(clouds: Sequence[_Cloud]) -> np.ndarray:
     """The places at which all have the same values, and rest alike."""
     places = np.unique(np.concatenate([clouds[0].x, clouds[0].rest_x]))
-    told = [[_told_at(cloud, place) for cloud in clouds] for place in places]
+    heights = np.concatenate([own for one in clouds for own in (one.y, one.rest_y)])
+    off = SAME * np.abs(heights).max(initial=0.0)
     alike = [
-        all(
-            len(one) == len(row[0]) and np.allclose(one, row[0], rtol=SAME, atol=0.0) for one in row
-        )
-        for row in told
+        all(len(one) == len(first) and np.allclose(one, first, SAME, off) for one in others)
+        for first, *others in zip(*(_told_at(cloud, places) for cloud in clouds), strict=True)
     ]
     return places[np.array(alike, bool)]
 
 
-def _told_at(cloud: _Cloud, place: float) -> np.ndarray:
-    """What a cloud has at one place: how many values, these, and where it rests."""
-    passed, rests = np.sort(cloud.y[cloud.x == place]), cloud.rest_y[cloud.rest_x == place]
-    return np.concatenate([[passed.size], passed, rests])
+def _told_at(cloud: _Cloud, places: np.ndarray) -> list[np.ndarray]:
+    """What a cloud has at each place: how many values, these, of a class or not, and its rests."""
+    order = np.lexsort([cloud.y, cloud.x])
+    passed = np.column_stack([cloud.y, cloud.undecided])[order]
+    ends = (np.searchsorted(cloud.x[order], places, side) for side in ("left", "right"))
+    return [
+        np.concatenate([[end - begin], *passed[begin:end].T, cloud.rest_y[cloud.rest_x == place]])
+        for place, begin, end in zip(places, *ends, strict=True)
+    ]
 
 
 def _at(cloud: _Cloud, places: np.ndarray, *, without: bool = False) -> _Cloud:
@@ -289,7 +290,7 @@ def _mark_rests(
 
 def _mark_of(start: str, number: int, sorts: int, size: float) -> dict[str, Any]:
     """The mark of a start, or of what all of them lead to."""
-    if start == SHARED:
+    if start in SHARED:
         return {"marker": "D", "ms": size, "mew": 0.0}
     return style.mark_of(number, sorts, size)
 
@@ -298,7 +299,7 @@ def _entries(clouds: Sequence[_Cloud]) -> list[points.Entry]:
     """A sort of marks for each line; of families from several starts a colour for each family."""
     families = [*dict.fromkeys(cloud.family for cloud in clouds)]
     starts = [*dict.fromkeys(points.stem(cloud.start) for cloud in clouds)]
-    starts.sort(key=lambda start: start == SHARED)
+    starts.sort(key=lambda start: start in SHARED)
     if min(len(families), len(starts)) < 2 or "" in starts:
         return points.entries([cloud.label for cloud in clouds])
     colours = dict(zip(families, style.line_colours(len(families)), strict=True))

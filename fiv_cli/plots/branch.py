@@ -112,11 +112,17 @@ def _branch(
 
 
 def _upon(dataset: xr.Dataset, index: Mapping[str, int]) -> int:
-    """How many later starts lead to the same branch: it has the same changes and ends."""
+    """How many later starts lead to the same branch: with its changes and ends, and as high."""
     first, count = index.get("initial", 0), dataset.sizes.get("initial", 1)
-    rows = [_rows(dataset, "cycle_end", {**index, "initial": n}) for n in range(first, count)]
-    own, *others = (np.sort(dataset["cycle_end"].values[row]) for row in rows)
+    own, *others = (_told_of(dataset, {**index, "initial": n}) for n in range(first, count))
     return sum(own.shape == one.shape and np.allclose(one, own, rtol=ALIKE) for one in others)
+
+
+def _told_of(dataset: xr.Dataset, index: Mapping[str, int]) -> np.ndarray:
+    """Changes and ends of a branch, and the least and greatest that its cycles have."""
+    ends = dataset["cycle_end"].values[_rows(dataset, "cycle_end", index)]
+    heights = _heights(dataset, index, at_section=False)[1]
+    return np.append(np.sort(ends), [heights.min(initial=np.inf), heights.max(initial=-np.inf)])
 
 
 def draw_marks(

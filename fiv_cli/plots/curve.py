@@ -196,11 +196,13 @@ def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
 def _as_one(group: list[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
     """Lines that hide one another as the first, which has the name of all, if there is one."""
     (place, first), names = group[0], tuple(one.label for _, one in group)
+    if not points.of_all(names) or len({(*one.words,) for _, one in group}) > 1:
+        return group
     words = {
         dim: points.BOTH.join(dict.fromkeys(one.words[dim] for _, one in group))
         for dim in first.words
     }
-    return [(place, replace(first, words=words, names=names))] if points.of_all(names) else group
+    return [(place, replace(first, words=words, names=names))]
 
 
 def _told_by_dashes(drawn: Sequence[tuple[int, _Curve]], bare: Sequence[int]) -> str:
@@ -576,11 +578,18 @@ def _kinds(dataset: xr.Dataset) -> xr.DataArray:
 def _changes_kind(y: np.ndarray, kinds: np.ndarray) -> np.ndarray:
     """Between which neighbours a line steps by more than beside it, to a cycle of another kind.
 
-    Where a cycle gains a stick on its way the line goes on.
+    Where a cycle gains a stick on its way the line goes on. Steps are compared with those within a
+    kind: beside them, else the median of all.
     """
     steps, differ = np.abs(np.diff(y)), kinds[1:] != kinds[:-1]
-    alike = np.pad(np.where(differ, 0.0, np.nan_to_num(steps)), 1)
-    return np.asarray(differ & (steps > STEP * np.maximum(alike[:-2], alike[2:])))
+    within = steps[~differ & np.isfinite(steps)]
+    if not within.size:
+        return np.zeros(steps.shape, bool)
+    known = np.pad(np.where(differ, np.nan, steps), 1, constant_values=np.nan)
+    beside = np.fmax(known[:-2], known[2:])
+    beside = np.where(np.isnan(beside), np.median(within), beside)
+    least = UPON * np.abs(y[np.isfinite(y)]).max(initial=0.0)
+    return np.asarray(differ & (steps > np.maximum(STEP * beside, least)))
 
 
 def _narrowed(

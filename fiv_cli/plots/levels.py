@@ -37,6 +37,7 @@ ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 # Of the half of what is written: another line is not to come so near; where that leaves no room, a
 # line of another level that is still nearer is one with it.
 CLEAR, ALIKE = 1.0, 0.4
+MOST_PLACES, MOST_ELSEWHERE = 300, 5000
 STEP = 0.25  # between points of other lines, in heights of letters
 PAD = 0.25  # around a level that is written, in heights of its letters
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
@@ -192,10 +193,12 @@ def _rooms(
         np.concatenate([np.zeros((0, 2)), *(_dense(pixels(one), STEP * height) for one in pieces)])
         for pieces in (others[0], crossing)
     )
+    near, far = _thinned(near, MOST_ELSEWHERE), _thinned(far, MOST_ELSEWHERE)
     taken = [pixels(place) for place in written]
     chosen: list[np.ndarray] = []
     roomiest: tuple[float, list[np.ndarray]] = (LEAST_ROOM * length, [])
-    for piece in _pieces(lines):
+    for whole in _pieces(lines):
+        piece = _thinned(whole, MOST_PLACES)
         along = pixels(piece)
         apart = _distances(along, [along[0], along[-1]])
         apart[((along < low) | (along > high)).any(axis=1)] = 0.0
@@ -209,6 +212,11 @@ def _rooms(
             chosen.append(piece[apart.argmax()])
             taken.append(along[apart.argmax()])
     return chosen or roomiest[1]
+
+
+def _thinned(line: np.ndarray, most: int) -> np.ndarray:
+    """Some points of a long line, evenly spread: each is compared with each of another."""
+    return line[:: -(-len(line) // most)] if len(line) else line
 
 
 def _dense(line: np.ndarray, step: float) -> np.ndarray:

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 suits = motion.suits
 WIDE = 0.3  # share of the extent of a curve on which a head is seen to lie along it
-# Inside the line whose colour is that of another contact, which is seen at both its sides.
-OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": "-", "lw": 0.4, "zorder": 3}
+# Inside the line whose colour is that of another contact, which is seen beside and between them.
+OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": (0, (3, 3)), "lw": 0.7, "zorder": 3}
 
 HEAD: dict[str, Any] = {
     # twice as long as wide: of three equal sides none would tell which way it points

@@ -791,8 +791,12 @@ class _Response:
     def _telling(self) -> int:
         """The state whose section values are tested: what is observed or, where it is the same at
         each, as the velocity of what comes to stick, the first that varies."""
-        varies = np.ptp(self._points, axis=0) > SAME_VALUE * np.abs(self._points).max(axis=0)
-        return self.observed if varies[self.observed] else int(np.argmax(varies))
+        points, m = self._points, len(self.system.coordinates)
+        reach = np.abs(points).max(axis=0)
+        for kind in (slice(0, m), slice(m, 2 * m)):  # what is always 0 varies by its rounding
+            reach[kind] = reach[kind].max()
+        varies = np.ptp(points, axis=0) > SAME_VALUE * reach
+        return self.observed if varies[self.observed] or not varies.any() else int(varies.argmax())
 
     def _by_two_tests(self, exponent: float, regular: float) -> tuple[str, str]:
         """What Lyapunov exponent and 0-1 test say together."""
