@@ -1546,6 +1546,17 @@ def test_panels_stand_in_rows_that_are_as_long(count, columns):
     assert style.side_by_side(count, 3, 0) == columns
 
 
+@pytest.mark.parametrize(("key", "is_told"), [({}, True), (style.COLOUR_ALONE, False)])
+def test_a_key_has_the_colour_of_what_it_stands_for_unless_others_tell_colours(key, is_told):
+    """The key of lines that lie on one another tells of these lines alone."""
+    _, (ax,) = style.new_panels(1, 1, "")
+    ax.plot([0.0, 1.0], [0.0, 1.0], color=style.PURPLE, label="_unstable cycle")
+    ax.plot([], [], color=style.BLUE, label="small and up", **key)
+    (stands_for,) = ax.plot([], [], color=BLACK, label="unstable cycle")
+    style.colour_keys([ax])
+    assert (stands_for.get_color() == style.PURPLE.lower()) == is_told
+
+
 def test_eight_sorts_of_points_have_marks_that_are_told_apart():
     looks = {style.mark_of(number, 8, 1.0)["marker"] for number in range(8)}
     assert len(looks) == 8

@@ -315,7 +315,7 @@ def colour_keys(axes: Sequence[Axes]) -> None:
     """
     drawn, listed = [*_coloured(axes)], told_in(axes)[0]
     keys = [line for ax in axes for line in ax.lines if _is_key(line)]
-    if any(key in listed and key.get_color() != BLACK for key in keys):
+    if any(key in listed and key.get_color() != BLACK and not _is_line(key) for key in keys):
         return
     for key in keys:
         words = re.compile(f"_(.*, )?{re.escape(str(key.get_label()))}")
@@ -333,6 +333,11 @@ def _coloured(axes: Sequence[Axes]) -> Iterator[tuple[str, str]]:
         for lines in ax.collections:
             if isinstance(lines, LineCollection):
                 yield str(lines.get_label()), to_hex(np.atleast_2d(lines.get_color())[0])
+
+
+def _is_line(key: Line2D) -> bool:
+    """Whether a key is that of a line, as of several that lie on one another, not of a colour."""
+    return key.get_linestyle() != "None" and key.get_linewidth() < COLOUR_ALONE["lw"]
 
 
 def _is_key(line: Line2D) -> bool:
