@@ -440,6 +440,7 @@ def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path
         (('{ expect = "periodic" }', "{ greater_than = 1 }"), "write expect = { greater_than = N"),
         (("scan = 4", "scan = 1"), "1 is out of range"),
         (("[[initial]]", "[grid]\nOmega = [1, 2]\n[[initial]]"), "is an axis of the grid"),
+        (('"Omega"\nbracket', '"initial.phi"\nbracket'), '[grid] "initial.phi" = {'),
         (("schema = 1", f"schema = 1\n{AT_SPEED}"), "'reached' varies it, and finds values"),
         (("schema = 1", f"schema = 1\n{AT_SPEED}"), "allowed: initial, crossing\n"),
     ],
