@@ -214,6 +214,14 @@ def test_marks_of_gaps_that_look_alike_are_one_row():
     assert [whose for whose, _ in alone.values()] == ["a, up"]
 
 
+def test_marks_of_gaps_stand_within_the_frame():
+    (ax,) = draw(data.bifurcation(), figure("curve", variable="L_s")).axes
+    marked = [line for line in ax.lines if line.get_transform() == ax.get_xaxis_transform()]
+    heights = np.array([line.get_ydata()[0] for line in marked]) * ax.bbox.height
+    assert len(marked) == 2
+    assert heights.min() > 0.5 * points.GAP_MARK * ax.figure.dpi / style.POINTS
+
+
 def test_gaps_of_all_lines_of_one_of_two_datasets_are_its():
     one, other = data.bifurcation(), data.bifurcation()
     one["status"][:] = data.STATUS.index("ok")
@@ -414,6 +422,33 @@ def test_the_dots_of_one_start_have_an_entry_where_there_is_a_legend():
     far = draw(data.bifurcation(), figure("bifurcation", select={"initial": "far"})).axes[0]
     told = {"start: far", "failed", "undecided", "values where undecided"}
     assert {*legend_texts(far)} == told
+
+
+def test_what_is_undecided_has_a_key_of_the_colours_that_it_has():
+    dataset = data.bifurcation()
+    (ax,) = draw(dataset, figure("bifurcation")).axes
+    colours = {name: to_hex(colour) for name, colour in points.colours([ax]).items()}
+    assert colours["values where undecided"] == colours["far"] != colours["near"]
+    dataset["attractor"][:, 0] = data.codes(data.ATTRACTORS, "undecided")
+    (ax,) = draw(dataset, figure("bifurcation")).axes
+    (key,) = [line for line in ax.lines if line.get_label() == "values where undecided"]
+    halves = [to_hex(half) for half in (key.get_markerfacecolor(), key.get_markerfacecoloralt())]
+    assert halves == [colours["near"], colours["far"]]
+
+
+def test_many_values_of_one_point_are_dots():
+    """Of marks that lie on one another nothing is told."""
+    few = data.bifurcation().isel(initial=[0])
+    told = {}
+    for count in (8, 9):
+        rows = [[0.03 + 0.001 * n for n in range(count)]] * few.sizes["Omega"]
+        dataset = data.response(
+            np.full((few.sizes["Omega"], 1), "periodic", object), few["L_s"].values,
+            data.axes(Omega=few["Omega"].values, initial=["near"]), rows=rows,
+        )  # fmt: skip
+        (ax,) = draw(dataset, figure("bifurcation")).axes
+        told[count] = [line.get_markersize() for line in ax.lines if line.get_xdata().size > 1]
+    assert told[9] < told[8]
 
 
 def test_each_start_has_a_mark_that_shows_through_the_next():
@@ -1611,6 +1646,38 @@ def test_a_map_has_the_label_of_its_colour_bar_that_it_asks_for():
         draw(data.stability_map(), figure("map", zlabel="class"))
 
 
+@pytest.mark.parametrize(
+    ("kind", "asked", "where"),
+    [
+        ("bifurcation", {"near": "from rest", "failed": "lost"}, "legend"),
+        ("map", {"periodic": "squeal"}, "legend"),
+        ("phase", {"stick": "held"}, "legend"),
+        ("history", {"time": "duration", "stick": "held"}, "labels"),
+        ("curve", {"disc speed": "speed"}, "labels"),
+    ],
+)
+def test_a_figure_is_written_in_words_of_ones_own(kind, asked, where):
+    dataset = {
+        "map": data.stability_map, "phase": data.history, "history": data.history
+    }.get(kind, data.bifurcation)()  # fmt: skip
+    drawn = draw(dataset, figure(kind, words=asked))
+    legends = drawn.findobj(Legend)
+    texts = {
+        "legend": [text.get_text() for one in legends for text in one.get_texts()],
+        "labels": [label for ax in drawn.axes for label in (ax.get_xlabel(), ax.get_ylabel())],
+    }[where]
+    for word, own in [*asked.items()][:1]:
+        assert any(own in text for text in texts)
+        assert not any(re.search(rf"\b{word}\b", text) for text in texts)
+
+
+def test_words_that_a_figure_does_not_have_are_told_with_those_that_it_has():
+    with pytest.raises(UsageError, match=r"words: 'belt': in no text of this figure\n.*near; far"):
+        draw(data.bifurcation(), figure("bifurcation", words={"belt": "disc", "near": "close"}))
+    with pytest.raises(UsageError, match="'ear'"):  # a part of a word is none
+        draw(data.bifurcation(), figure("bifurcation", words={"ear": "mouth"}))
+
+
 @pytest.mark.parametrize("log", [False, "z"])
 def test_the_shades_of_a_map_reach_as_far_as_it_says(log):
     """What lies beyond has the colour of the end; 0 has one of its own where there is no log."""
@@ -2620,7 +2687,7 @@ def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
 
 
 @pytest.mark.parametrize("kind", ["history", "phase"])
-def test_sticks_of_other_contacts_are_marked_where_none_is_asked_for(kind):
+def test_sticks_of_other_contacts_are_marked_where_no_panel_is_about_one(kind):
     dataset = data.history(labels=("far",))
     states = dataset["contact_state"].expand_dims(contact=[1, 2], axis=1).copy()
     held = [n for n, word in flag_names(states.attrs).items() if word == "stick"]
@@ -2632,8 +2699,12 @@ def test_sticks_of_other_contacts_are_marked_where_none_is_asked_for(kind):
         (legend,) = draw(dataset, figure(kind, variable="phi", **settings)).legends
         told[asked] = [text.get_text() for text in legend.get_texts()]
     assert "contact 2 sticks" in told[None] and "contact 1 sticks" not in told[None]
-    assert not any("sticks" in word for word in told[1] + told[2])
     assert told[1, 2] == told[None]
+    if kind == "history":
+        assert not any("sticks" in word for word in told[1] + told[2])
+    else:  # of one contact in any case
+        assert told[1] == told[None]
+        assert "contact 1 sticks" in told[2] and "contact 2 sticks" not in told[2]
     (ax,) = draw(dataset, figure(kind, variable="phi")).axes
     bars = [patch.get_extents().height / ax.bbox.height for patch in ax.patches]
     assert kind == "phase" or min(bars) < 0.05 < 0.9 < max(bars)  # across, one is seen

@@ -94,7 +94,7 @@ FIGURES = {
 """Kind of figure -> what it shows, and its keys besides those of every figure."""
 
 OF_EVERY_FIGURE = (
-    *("name", "title", "analysis", "select", "log", "xlim", "ylim", "xlabel", "ylabel"),
+    *("name", "title", "analysis", "select", "log", "xlim", "ylim", "xlabel", "ylabel", "words"),
 )
 
 TAKES = {

@@ -15,6 +15,7 @@ from pydantic import (
     ConfigDict,
     Field,
     PlainValidator,
+    StringConstraints,
     WithJsonSchema,
     model_validator,
 )
@@ -425,8 +426,8 @@ class FigureTable(Table):
     )
     contact: Contacts | None = Field(
         default=None,
-        description="contact to draw, from 1; history: several, [1, 2]; default: what has a value "
-        "of each, of all",
+        description="contact to draw, from 1, or of a history several, [1, 2]; default: all that "
+        "have a value; phase: the contact that colours are about (sticks of others are bands)",
     )
     window: Interval | None = Field(default=None, description="stretch of time to draw, s")
     overlay: bool = Field(
@@ -445,6 +446,11 @@ class FigureTable(Table):
         default=None, description="map: label of its colour bar, in place of its own"
     )
     ylabel: str | None = Field(default=None, description="label of y, in place of its own")
+    words: dict[Annotated[str, StringConstraints(min_length=1)], str] = Field(
+        default={},
+        description="what stands in the legend and at axes -> what to write in its place: "
+        '{ "contact 1" = "lower belt", "the section" = "each turning point" }',
+    )
     unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit: Hz or rad/s")
     resolution: Quantity | None = Field(
         default=None, description="spectrogram of a history: what it tells apart, Hz"

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 DEFAULT = "section_value"
-CROWD = 32  # values at one point of the grid, which are drawn smaller: a cloud has an inside
+CROWD = 8  # values at one point of the grid; more are drawn smaller: their marks would be a bar
 FINER = 0.3  # share of its size that a mark has in a crowd, and where it is undecided
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
@@ -250,8 +250,10 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
         _mark_rests(ax, cloud, entry, size, sorts, resting)
     if apart.size:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
-    if any(one.undecided.any() for one in clouds):
-        ax.plot([], [], ".", mew=0.0, color=style.BLACK, alpha=PALE, label=UNSETTLED)
+    colours = [own.colour for one, own in zip(clouds, entries, strict=True) if one.undecided.any()]
+    if colours:
+        halves: dict[str, Any] = {"fillstyle": "left", "mfcalt": colours[-1], "alpha": PALE}
+        ax.plot([], [], "o", mew=0.0, color=colours[0], label=UNSETTLED, **halves)
 
 
 def _mark_values(

@@ -244,7 +244,7 @@ def draw(
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
     if len(layers) > 1:  # each of them is called by what it differs in
         layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
-    with style.looks(axis, look):
+    with style.looks(axis, look, settings.get("words")):
         drawn = kind.draw(layers, settings)
         points.relabel(drawn, settings)
         style.finish(drawn)

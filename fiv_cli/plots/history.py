@@ -43,8 +43,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes = _draw_panels(dataset, motions, rows, names)
     every = [own for _, own in rows]
     contact = motion.named_contact(dataset, *every)
-    words = motion.others_sticking(motions, *every)
-    others = [Patch(label=word, **OTHER_STICKS) for word in words]
+    numbers = motion.others_sticking(motions, *every)
+    others = [Patch(label=motion.sticking(number), **OTHER_STICKS) for number in numbers]
     what = "range of samples" if all(map(_is_dense, motions)) else "samples"
     told = [*others, *motion.sampled(motions, names, what)]
     _legend(figure, axes, motion.states_present(motions, *every), told, contact)

@@ -212,6 +212,16 @@ def _contact(array: xr.DataArray, settings: points.Settings) -> int:
     return int(np.atleast_1d(settings.get("contact", selected))[0])
 
 
+def of_all_contacts(dataset: xr.Dataset, settings: points.Settings) -> points.Settings:
+    """The settings of a figure of one contact, with all others after it where there are several."""
+    states = dataset["contact_state"]
+    if "contact" not in states.dims:
+        return settings
+    own = _contact(states, settings)
+    others = [number for number in states["contact"].values.tolist() if number != own]
+    return {**settings, "contact": [own, *others]}
+
+
 def of_each_contact(
     dataset: xr.Dataset, name: str, settings: points.Settings
 ) -> list[points.Settings]:
@@ -283,11 +293,15 @@ def other_sticks(motion: Motion, settings: points.Settings) -> Iterator[tuple[in
                 yield contact, begin, end
 
 
-def others_sticking(every: Sequence[Motion], *settings: points.Settings) -> list[str]:
-    """Legend entries of these sticks."""
+def others_sticking(every: Sequence[Motion], *settings: points.Settings) -> list[int]:
+    """The contacts that these sticks are of."""
     sticks = (other_sticks(motion, own) for own in settings for motion in every)
-    seen = {contact for one in sticks for contact, _, _ in one}
-    return [f"contact {contact} sticks" for contact in sorted(seen)]
+    return sorted({contact for one in sticks for contact, _, _ in one})
+
+
+def sticking(contact: int) -> str:
+    """What sticks of a contact are called."""
+    return f"contact {contact} sticks"
 
 
 def named_contact(dataset: xr.Dataset, *settings: points.Settings) -> str:

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 suits = motion.suits
 WIDE = 0.3  # share of the extent of a curve on which a head is seen to lie along it
-# Inside the line whose colour is that of another contact, which is seen beside and between them.
-OTHER_STICKS: dict[str, Any] = {"color": style.BLACK, "ls": (0, (3, 3)), "lw": 0.7, "zorder": 3}
+# Bands under the line, whose colours are another contact's: of neither's contact states.
+OTHER_STICKS = ("#A6A6A6", style.YELLOW, style.SKY, style.VERMILLION)
 
 HEAD: dict[str, Any] = {
     # twice as long as wide: of three equal sides none would tell which way it points
@@ -47,6 +47,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     dataset, shared = datasets[0], bool(settings.get("overlay")) or len(layers) > 1
     motions = _named(layers, {**settings, "overlay": shared})
     names, *_ = [_states(one, settings) for one in datasets]  # which all must have
+    settings = motion.of_all_contacts(dataset, settings)
     marks = _marks(motions, shared, settings)
     figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(*datasets))
     for number, (one, mark) in enumerate(zip(motions, marks, strict=True)):
@@ -59,8 +60,10 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         motion.states_present(motions, settings),
         motion.named_contact(dataset, settings),
     )
-    words = motion.others_sticking(motions, settings)
-    others = [Line2D([], [], label=label, **OTHER_STICKS) for label in words]
+    others = [
+        Line2D([], [], label=motion.sticking(number), **_band(number, settings))
+        for number in motion.others_sticking(motions, settings)
+    ]
     others += motion.sampled(motions, names)
     if any(np.isfinite(_held(one, names)) for one in motions):
         others.append(Line2D([], [], label="held in stick", **HELD))
@@ -156,7 +159,7 @@ class _Path:
         if self.is_coarse:
             x, y, color = *np.concatenate(pieces).T, look["color"]
             marks: dict[str, Any] = {"rasterized": self.is_long, "zorder": look.get("zorder")}
-            ax.plot(x, y, ".", ms=2.0, color=color, label=label, **marks)
+            ax.plot(x, y, ".", ms=2.0 * look["lw"], color=color, label=label, **marks)
         else:
             ax.add_collection(LineCollection(pieces, label=label, rasterized=self.is_long, **look))
 
@@ -191,8 +194,8 @@ def _panel(
     if not path.is_coarse:
         _point_onwards(ax, path.points)
     for contact, begin, end in motion.other_sticks(one, settings):
-        stick = points.unlisted(one.label, f"contact {contact} sticks")
-        path.draw(ax, [path.between(begin, end)], stick, **OTHER_STICKS)
+        stick = points.unlisted(one.label, motion.sticking(contact))
+        path.draw(ax, [path.between(begin, end)], stick, **_band(contact, settings))
     if mark.label:
         label = points.unlisted(one.label, mark.label)
         ax.plot(*path.points[0], marker=mark.marker, label=label, **MARK)
@@ -202,6 +205,12 @@ def _panel(
         ax.plot([0.0, 0.0], [-held, held], label=stick, **HELD)
     ax.autoscale_view()
     points.scale(ax, settings)
+
+
+def _band(contact: int, settings: points.Settings) -> dict[str, Any]:
+    """What shows where one of the contacts sticks that the colours are not about."""
+    number = np.atleast_1d(settings["contact"]).tolist().index(contact) - 1
+    return {"color": OTHER_STICKS[number % len(OTHER_STICKS)], "lw": 4.0, "zorder": 1.8}
 
 
 def _rest(ax: Axes, one: motion.Motion, names: tuple[str, str], mark: _Mark) -> None:

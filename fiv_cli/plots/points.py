@@ -42,6 +42,7 @@ class Settings(TypedDict, total=False):
     """What a figure is asked for: the keys of a ``[[figure]]`` table, checked where it is read."""
 
     title: str
+    words: Mapping[str, str]
     analysis: str
     x: str
     y: str
@@ -486,7 +487,6 @@ GAP_MARKS = {
 MOST_GAP_ROWS = 6
 APART = 2.5  # pt: marks in a row are no bar
 GAP_MARK = 5.0  # pt
-LOWEST_GAP = 0.0  # of the height of a panel: upon the axis, no mark is a value
 
 
 def colours(axes: Sequence[Axes]) -> dict[str, ColorType]:
@@ -511,13 +511,13 @@ def mark_gaps(
     step = (GAP_MARK + 1.0) * ax.figure.dpi / style.POINTS / ax.bbox.height
     for level, ((name, colour), (whose, x)) in enumerate(looks.items()):
         ax.plot(
-            x, np.full(x.shape, LOWEST_GAP + step * level), GAP_MARKS[name][0], color=colour,
+            x, np.full(x.shape, step * (level + 0.5)), GAP_MARKS[name][0], color=colour,
             ms=GAP_MARK, ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
             transform=ax.get_xaxis_transform(), zorder=5, markevery=_apart(ax, x),
         )  # fmt: skip
     limited = "ylim" in settings and ax is axes[0]
     if looks and not limited and ax.get_yscale() == "linear":
-        _make_room_below(ax, LOWEST_GAP + step * len(looks))
+        _make_room_below(ax, step * len(looks))
 
 
 def _by_look(
@@ -597,7 +597,8 @@ def legend(axes: Sequence[Axes]) -> None:
     figure = axes[0].figure.figure
     style.colour_keys(axes)
     _unlist_unseen(axes)
-    handles, names = _thinned(*style.told_in(axes))
+    handles, told = _thinned(*style.told_in(axes))
+    names = [*map(style.worded, told)]
     beside, many = style.letters(figure), len(names) > MOST_ENTRIES_INSIDE
     narrow = beside < LEAST_LETTERS and len(names) > 2
     if narrow or (many and style.longest(names) > beside // 6) or (names and len(axes) > 1):

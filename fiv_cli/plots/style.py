@@ -7,16 +7,16 @@ colour in every figure.
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import re
 import textwrap
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -229,14 +229,43 @@ _GIVEN: ContextVar[Axes | None] = ContextVar("_GIVEN", default=None)
 _LOOK: ContextVar[Look] = ContextVar("_LOOK", default=SCREEN)
 
 
+@dataclass(frozen=True)
+class _Words:
+    """What stands in texts -> what to write in its place; and the texts that were written."""
+
+    own: Mapping[str, str] = field(default_factory=dict)
+    texts: dict[str, None] = field(default_factory=dict)
+
+    def write(self, text: str) -> str:
+        """The text in one's own words."""
+        if not self.own:
+            return text
+        self.texts[text] = None
+        return self._known(*self.own).sub(lambda match: self.own[match[0]], text)
+
+    def unsaid(self) -> list[str]:
+        """The words that stood in none."""
+        return [word for word in self.own if not any(map(self._known(word).search, self.texts))]
+
+    @staticmethod
+    def _known(*words: str) -> re.Pattern[str]:
+        longest_first = sorted(words, key=len, reverse=True)
+        return re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, longest_first))})(?!\w)")
+
+
+_WORDS: ContextVar[_Words] = ContextVar("_WORDS", default=_Words())  # noqa: B039 (it has none)
+
+
 @contextmanager
-def looks(axis: Axes | None = None, look: Look | None = None) -> Iterator[None]:
+def looks(
+    axis: Axes | None = None, look: Look | None = None, words: Mapping[str, str] | None = None
+) -> Iterator[None]:
     """The settings above over matplotlib's own defaults, whatever the user's configuration.
 
-    What is drawn meanwhile is drawn on `axis`, if one is given.
+    What is drawn meanwhile is drawn on `axis`, if one is given, and written in `words` of its own.
     """
     look = look or SCREEN
-    given, looking = _GIVEN.set(axis), _LOOK.set(look)
+    given, looking, writing = _GIVEN.set(axis), _LOOK.set(look), _WORDS.set(_Words(words or {}))
     try:
         with mpl.rc_context():
             mpl.rcdefaults()
@@ -245,6 +274,22 @@ def looks(axis: Axes | None = None, look: Look | None = None) -> Iterator[None]:
     finally:
         _GIVEN.reset(given)
         _LOOK.reset(looking)
+        _WORDS.reset(writing)
+
+
+def worded(text: str) -> str:
+    """A text in the words that the figure has in place of others."""
+    return _WORDS.get().write(text)
+
+
+def refuse_unsaid() -> None:
+    """UsageError where a figure has no text with a word for which there is another."""
+    words = _WORDS.get()
+    if unsaid := words.unsaid():
+        raise UsageError(
+            f"words: {', '.join(map(repr, unsaid))}: in no text of this figure\n"
+            f"there are: {'; '.join(filter(None, words.texts))}"
+        )
 
 
 def letters(figure: Figure) -> int:
@@ -266,7 +311,8 @@ def longest(words: Sequence[str]) -> int:
 def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """A legend under the panels, in as many columns as there is room for."""
     most = letters(figure) - KEY_LETTERS
-    words, heading = [_folded(str(one.get_label()), most) for one in handles], _folded(title, most)
+    words = [_folded(worded(str(one.get_label())), most) for one in handles]
+    heading = _folded(worded(title), most)
     columns = columns_of(words, int(NARROWER * letters(figure)))
     while words:
         legend = figure.legend(
@@ -295,7 +341,7 @@ def _parted(words: Sequence[str], columns: int) -> list[list[str]]:
     """Entries in columns, as a legend has them: one after another, the first no shorter."""
     rows, longer = divmod(len(words), columns)
     ends = np.cumsum([rows + (column < longer) for column in range(columns)]).tolist()
-    return [[*words[begin:end]] for begin, end in pairwise([0, *ends])]
+    return [[*words[begin:end]] for begin, end in itertools.pairwise([0, *ends])]
 
 
 def even_keys(legend: Legend) -> None:
@@ -315,7 +361,7 @@ def colour_keys(axes: Sequence[Axes]) -> None:
     """
     drawn, listed = [*_coloured(axes)], told_in(axes)[0]
     keys = [line for ax in axes for line in ax.lines if _is_key(line)]
-    if any(key in listed and key.get_color() != BLACK and not _is_line(key) for key in keys):
+    if any(key in listed and key.get_linewidth() == COLOUR_ALONE["lw"] for key in keys):
         return
     for key in keys:
         words = re.compile(f"_(.*, )?{re.escape(str(key.get_label()))}")
@@ -333,11 +379,6 @@ def _coloured(axes: Sequence[Axes]) -> Iterator[tuple[str, str]]:
         for lines in ax.collections:
             if isinstance(lines, LineCollection):
                 yield str(lines.get_label()), to_hex(np.atleast_2d(lines.get_color())[0])
-
-
-def _is_line(key: Line2D) -> bool:
-    """Whether a key is that of a line, as of several that lie on one another, not of a colour."""
-    return key.get_linestyle() != "None" and key.get_linewidth() < COLOUR_ALONE["lw"]
 
 
 def _is_key(line: Line2D) -> bool:
@@ -469,11 +510,17 @@ def label_log(axis: Axis) -> None:
 
 def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
-    words = [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in figure.axes]
+    words = [
+        (worded(ax.get_title()), worded(ax.get_xlabel()), worded(ax.get_ylabel()))
+        for ax in figure.axes
+    ]
+    for text in itertools.chain.from_iterable(ax.texts for ax in figure.axes):
+        text.set_text(worded(text.get_text()))
     tame_texts(figure)
     if not _is_set(figure, words):
         raise _cramped(figure, words)
     thicken(figure)
+    refuse_unsaid()
 
 
 def _is_set(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:
