@@ -400,3 +400,11 @@ def test_a_result_of_another_analysis_narrows_nothing_and_is_told_so() -> None:
     assert "a result narrows what is drawn, or claimed, of its own analysis alone" in str(
         caught.value
     )
+
+
+@pytest.mark.parametrize(("name", "is_known"), [("x", True), ("initial.x_dot", True), ("z", False)])
+def test_a_basin_is_drawn_over_components_of_starts(name: str, is_known: bool) -> None:
+    """Which its axes call ``initial.x``, and the model ``x``."""
+    text = figure('kind = "basin"', f'x = "{name}"')
+    with nullcontext() if is_known else pytest.raises(CaseError, match="there is no state 'z'"):
+        parse_case(text, "case.toml", ())

@@ -29,6 +29,7 @@ from fiv_cli.errors import CaseError, EmptyFigureError, InputError, StorageError
 from fiv_cli.flags import COMPUTED, REASON, advice
 from fiv_cli.friction import get_law
 from fiv_cli.plots import (
+    curve,
     default_figures,
     draw,
     draw_laws,
@@ -340,6 +341,13 @@ def test_a_curve_breaks_where_it_steps_to_a_cycle_of_another_kind(step, kind, br
         dataset[kind] = dataset["status"].copy(data=later[:, None] + 1 - (kind != "multiplicity"))
     line = draw(dataset, figure("curve", variable="L_s")).axes[0].lines[0]
     assert np.isnan(line.get_ydata()).sum() == breaks
+
+
+def test_a_curve_does_not_break_where_no_leap_is_seen():
+    """Where both of two contacts stick at once, for the share of time that each sticks."""
+    shares = np.array([0.0, 0.0, 0.0, 0.8821, 0.8835, 0.8833, 0.8832])
+    kinds = np.array([1.0, 1.0, 1.0, 3.0, 2.0, 2.0, 2.0])
+    assert np.flatnonzero(curve._changes_kind(shares, kinds)).tolist() == [2]
 
 
 def test_files_of_which_one_has_an_axis_more_share_a_curve():
@@ -2179,7 +2187,7 @@ def _refined_lattice(count=81, shift=0.0):
 
 @pytest.mark.parametrize("shift", [0.0, 1.0 / 3.0])  # starts off a rest lie off their axes
 def test_a_basin_of_a_refined_lattice_has_a_cell_at_every_point(shift):
-    drawn = draw(_refined_lattice(shift=shift), figure("basin"))
+    drawn = draw(_refined_lattice(shift=shift), figure("basin", x="initial.x", y="x_dot"))
     (ax,) = drawn.axes
     rest, moving = (one for one in ax.collections if isinstance(one, PolyCollection))
     assert len(rest.get_paths()) + len(moving.get_paths()) == 81 * 81

@@ -14,6 +14,7 @@ from fiv_cli.analyses.catalogue import ALL_ASKED, computed_by, variables_of
 from fiv_cli.analyses.variables import COMPUTED, Variable, derived
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import Bounds, OfClass, Reference, Trend, parse_condition
+from fiv_cli.case.physics import state_units
 from fiv_cli.case.places import NUMERIC, Places
 from fiv_cli.case.report import Path, Report
 from fiv_cli.case.structure import COUNTED, MOST_LINES, FigureKind
@@ -81,6 +82,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         return
     if figure.kind == "phase" and known:
         _check_phase(figure, known, place, report)
+    if figure.kind == "basin":
+        _check_basin(figure, case, place, report)
     key = "y" if figure.kind == "curve" and "variable" not in figure.settings else "variable"
     names = _named(figure.settings.get(key, [])) if known else []
     shown = known
@@ -237,6 +240,15 @@ def _check_phase(
         name, at = figure.settings[key], (*place, key)
         if not _is_still(name, known, moving, at, report):
             _check(name, moving, at, report)
+
+
+def _check_basin(figure: FigureSpec, case: Case, place: Path, report: Report) -> None:
+    """Note an axis that is no component of a start; ``initial.x`` is that of ``x``."""
+    states = state_units(get_model(case.model), case.options)
+    for key in [key for key in ("x", "y") if key in figure.settings]:
+        name = figure.settings[key].removeprefix("initial.")
+        if name not in states:
+            report.unknown((*place, key), f"there is no state {name!r}", name, states)
 
 
 def _is_still(

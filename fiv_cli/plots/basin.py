@@ -140,19 +140,19 @@ def _components(dataset: xr.Dataset, settings: points.Settings) -> tuple[str, st
             "next: a case with an analysis of kind `response` and an [[initial]] of many starts"
         )
     known, free = [str(name) for name in dataset["state"].values], _varying(dataset)
-    for which in ("x", "y"):
-        name = str(settings.get(which, known[0]))
-        if name not in known:
+    asked = {key: str(settings.get(key, "")).removeprefix("initial.") for key in ("x", "y")}
+    for which, name in asked.items():
+        if name and name not in known:
             raise UsageError(f"{which} = {name}: no state\nthe states are: {', '.join(known)}")
     if len(free) < 2 and not {"x", "y"} <= set(settings):
         raise UsageError(
             "the starts differ in fewer than two components\n"
             "next: draw a curve, or give [[initial]] a box in two states"
         )
-    x = str(settings.get("x", free[0] if free else known[0]))
+    x = asked["x"] or [*free, *known][0]
     others = (name for name in free if name != x)
     partner = f"{x}_dot" if f"{x}_dot" in free else next(others, x)
-    return x, str(settings.get("y", partner))
+    return x, asked["y"] or partner
 
 
 def _label(dataset: xr.Dataset, name: str) -> str:
