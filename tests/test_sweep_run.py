@@ -694,6 +694,10 @@ def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
     few = Course(1000, [0.0, 90.0], [0, 45])
     alike = "90 s elapsed, 0.5 points/s, some 32 min to go, were the others alike"
     assert few.pace(90.0) == alike
+    again = Course(1000, [0.0, 10.0], [400, 405])  # what was stored says nothing of this run
+    assert again.pace(10.0) == "10 s elapsed, 0.5 points/s"
+    again.note(90.0, 40)
+    assert again.pace(90.0).endswith("some 18 min to go, were the others alike")
 
 
 def test_a_rate_is_that_of_its_analysis() -> None:

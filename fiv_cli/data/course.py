@@ -100,7 +100,7 @@ class Course:
 
     @property
     def _is_early(self) -> bool:
-        before = self.counts[self.since] if self.since else 0
+        before = self.counts[self.since]  # what was stored took no time of this run
         return self.done - before < EARLY * (self.total - self.later - before)
 
     def pace(self, now: float) -> str:
