@@ -408,3 +408,14 @@ def test_a_basin_is_drawn_over_components_of_starts(name: str, is_known: bool) -
     text = figure('kind = "basin"', f'x = "{name}"')
     with nullcontext() if is_known else pytest.raises(CaseError, match="there is no state 'z'"):
         parse_case(text, "case.toml", ())
+
+
+def test_what_a_figure_shows_unasked_may_not_be_of_two_analyses() -> None:
+    """One of them would be left out without a word."""
+    second = BOUNDARY.replace(
+        'kind = "boundary"', 'kind = "boundary"\nname = "followed"\nfollow = "up"'
+    )
+    curve = '[[figure]]\nkind = "curve"\nx = "v"\n'
+    assert parse_case(BELT.partition("[[analysis]]")[0] + BOUNDARY + curve, "a.toml", ())
+    with pytest.raises(CaseError, match="2 analyses compute boundary, and a figure shows that of"):
+        parse_case(BELT.partition("[[analysis]]")[0] + BOUNDARY + second + curve, "a.toml", ())

@@ -114,7 +114,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     if len(sound) == len(names) > 1 and analysis is None:
         _check_of_several(figure, case, names, held, (*place, key), report)
     if analysis is None and figure.kind in ("curve", "map", "basin"):
-        _check_of_which(sound, held, (*place, key), report)
+        first = sound if names else _mapped(figure, held, ())
+        _check_of_which(first, held, (*place, key), report)
 
 
 def _check_levels(
