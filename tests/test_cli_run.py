@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import tomllib
 from datetime import datetime, timedelta
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -397,6 +398,23 @@ def test_history_of_a_point(capsys: pytest.CaptureFixture[str]) -> None:
     when, end = err.splitlines()[-1].split(": ", 1)
     last = {name: dataset[name].values.ravel()[-1] for name in ("x", "x_dot")}
     assert (when, tomllib.loads(end)) == ("at t = 5 s", {"state": last})
+
+
+def test_history_of_a_motion_that_ends_early_says_why_and_where(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    at = "Omega=7.5,N0=5,initial=far"
+    Path("pin.toml").write_text(
+        'schema = 1\n[model]\nname = "pin-on-disc"\n[grid]\nOmega = [7.5]\nN0 = [5.0]\n'
+        '[[initial]]\nlabel = "far"\nkind = "state"\nstate = { phi_dot = "Omega" }\n'
+        '[[analysis]]\nkind = "response"\n'
+    )
+    assert fiv(["history", "pin.toml", "--at", at, "--t-end", "1", "-o", "pin.nc"]) == 0
+    *_, why, end = capsys.readouterr().err.splitlines()
+    assert why.startswith("contact_lost: ") and "normal force" in why
+    when, state = end.split(": ", 1)
+    assert 0.05 < float(when.split()[3]) < 0.2
+    assert all(map(isfinite, tomllib.loads(state)["state"].values()))
 
 
 @pytest.mark.parametrize(

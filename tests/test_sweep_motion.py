@@ -13,6 +13,7 @@ import sweep_fakes
 from fiv_cli import api
 from fiv_cli.analyses.base import Request
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import STABLE
 from fiv_cli.sweep.motion import find_point, run_motion
 from fiv_cli.sweep.policy import Policy
 
@@ -179,3 +180,23 @@ def test_what_has_no_period_is_told_and_may_be_recorded_all_the_same() -> None:
     assert np.ptp(still["x"].values) < 1e-3 * np.ptp(begun["x"].values)
     with pytest.raises(UsageError, match="both say where"):
         api.history(case, periods=3, t_end=1.0)
+
+
+def test_in_a_case_of_a_cycle_alone_the_settled_motion_is_on_it_though_it_is_unstable() -> None:
+    """Between steady sliding and stick-slip: motions beside it leave it, to either."""
+    tables = {
+        "schema": 1,
+        "model": {"name": "belt-1dof", "parameters": {"c": 0.3, "v": 2.0}},
+        "friction": {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.23, "v_s": 1.0, "delta": 1.0},
+        "initial": [{"label": "near", "kind": "equilibrium", "offset": {"x": 1.3}}],
+        "analysis": [{"kind": "cycle", "parameter": "v", "bracket": [1.9, 2.1]}],
+    }
+    case = api.load(tables)
+    alone = api.load({**tables, "analysis": [{"kind": "cycle"}]})
+    found = api.run(alone, workers=1).squeeze()
+    assert found["stable"] == STABLE.codes["unstable"]
+    motion = api.history(case, periods=1, settled=True).squeeze()
+    assert float(motion["time"][-1]) == pytest.approx(found["cycle_period"].item(), rel=1e-9)
+    path = np.stack([motion["x"], motion["x_dot"]])
+    np.testing.assert_allclose(path[:, -1], path[:, 0], atol=1e-6)
+    assert np.ptp(path[0]) == pytest.approx(2.0 * found["x_amplitude"].item(), rel=1e-4)

@@ -41,7 +41,10 @@ FAILED = 4
     "--periods", type=float, metavar="N", help="End after N periods of the steady state instead."
 )
 @click.option(
-    "--settled", is_flag=True, help="Begin where the steady state is reached: no transient."
+    "--settled",
+    is_flag=True,
+    help="Begin where the steady state is reached: no transient. In a case of a cycle, stable or "
+    "not, without a response: on it.",
 )
 @click.option(
     "-o",
@@ -97,13 +100,16 @@ def _default_output(case: Case, place: dict[str, Any]) -> Path:
 
 
 def _report(outcome: Outcome, path: Path, case: Case) -> int:
+    from fiv_cli.flags import ENDED_EARLY, advice
     from fiv_cli.reading import sampling
     from fiv_cli.reading.datasets import read_analyses
 
     click.echo(path)
     if outcome.status == "ok":
         (motion,) = read_analyses(path).values()
-        said = [_end(motion, case), sampling.remark(motion.squeeze())]
+        early = outcome.reason in ENDED_EARLY
+        why = f"{outcome.reason}: {advice(outcome.reason)}" if early else ""
+        said = [why, _end(motion, case), sampling.remark(motion.squeeze())]
         click.echo("\n".join(filter(None, said)), err=True)
         return 0
     click.echo(f"{outcome.status}: {outcome.reason}\n{outcome.message}".rstrip(), err=True)
@@ -115,6 +121,9 @@ def _end(motion: xr.Dataset, case: Case) -> str:
     from fiv_cli.case.physics import state_units
     from fiv_cli.models import get_model
 
-    last, names = motion.isel(time=-1), state_units(get_model(case.model), case.options)
+    names = state_units(get_model(case.model), case.options)
+    first = next(motion[name] for name in names if name in motion)
+    known = first.notnull().any([dim for dim in first.dims if dim != "time"])
+    last = motion.isel(time=known.values.nonzero()[0][-1])  # it may have ended before its time
     state = ", ".join(f"{name} = {last[name].item()!r}" for name in names if name in motion)
     return f"at t = {last['time'].item():.12g} s: state = {{ {state} }}"

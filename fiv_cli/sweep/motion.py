@@ -48,6 +48,8 @@ MOST_NAMED = 12
 
 SAMPLES_A_PERIOD = 1000
 
+NO_BRANCH = {"parameter": None, "bracket": None}
+
 
 @dataclass(frozen=True)
 class SteadyPart:
@@ -374,22 +376,29 @@ class _Run:
         return run_task(_task(alone, Segment((values,), start, state), self.policy.executor))
 
     def steady_state(self) -> tuple[float, ChainState]:
-        """Period, s (NaN: none), of the steady state that the point reaches, and how to go on."""
+        """Period, s (NaN: none), of the steady state that the point reaches, and how to go on.
+
+        In a case that looks for cycles alone it is the one that is found, stable or not.
+        """
         case = self.point.case
         if case.schedule.curves:
             raise UsageError(
                 "--settled: a parameter varies in time\nnext: --t-end TIME, without it"
             )
-        given = (spec.settings for spec in case.analyses if spec.kind == "response")
-        settings = next(given, get_analysis("response").default_settings)
-        result = self.result(_continued(self.plan("response", settings)))
+        settings = {spec.kind: {**spec.settings} for spec in reversed(case.analyses)}
+        if "cycle" in settings and "response" not in settings:
+            kind, named, settings["cycle"] = "cycle", "cycle_period", settings["cycle"] | NO_BRANCH
+        else:
+            kind, named = "response", "period"
+        own = settings.get(kind, get_analysis(kind).default_settings)
+        result = self.result(_continued(self.plan(kind, own)))
         ((_, state),) = result.states.items()
         if state.carry is None:
             reason = REASONS[int(result.block.reason[0])].name
             raise UsageError(
                 f"--settled: the point reaches no steady state ({reason})\nnext: {advice(reason)}"
             )
-        period = result.block.values.get("period", np.full(1, np.nan))
+        period = result.block.values.get(named, np.full(1, np.nan))
         return float(period[0]), state
 
 
