@@ -223,6 +223,28 @@ def test_marks_of_gaps_stand_within_the_frame():
     assert heights.min() > 0.5 * points.GAP_MARK * ax.figure.dpi / style.POINTS
 
 
+def test_of_many_lines_those_few_that_have_gaps_are_named():
+    """Eight lines, of which one has an undecided point."""
+    values = np.array(["periodic"] * 8, object)[:, None, None].repeat(3, axis=2)
+    values[5, 0, 1] = "undecided"
+    dataset = data.response(
+        values.transpose(0, 2, 1), np.ones((8, 3, 1)),
+        data.axes(N0=np.arange(8.0), Omega=[1.0, 2.0, 3.0], initial=["near"]),
+    )  # fmt: skip
+    (ax,) = draw(dataset, figure("curve", variable="L_s", x="Omega")).axes
+    (told,) = [text for text in legend_texts(ax) if text.startswith("undecided")]
+    assert "= 5" in told
+
+
+def test_marks_on_a_limit_are_whole_and_none_is_drawn_beyond_one():
+    """Shares of 0 and 1, for example."""
+    dataset = data.bifurcation().isel(initial=[0])
+    greatest = float(dataset["L_s"].max())
+    for top, clips in ((greatest, False), (0.5 * greatest, True)):
+        (ax,) = draw(dataset, figure("curve", variable="L_s", ylim=(0.0, top))).axes
+        assert max(ax.lines, key=lambda one: one.get_xdata().size).get_clip_on() == clips
+
+
 def test_gaps_of_all_lines_of_one_of_two_datasets_are_its():
     one, other = data.bifurcation(), data.bifurcation()
     one["status"][:] = data.STATUS.index("ok")
@@ -1600,6 +1622,21 @@ def test_a_key_has_the_colour_of_what_it_stands_for_unless_others_tell_colours(k
     assert (stands_for.get_color() == style.PURPLE.lower()) == is_told
 
 
+def test_a_legend_has_no_more_columns_than_its_rows_need():
+    assert style.columns_of(["word"] * 6, 5 * (4 + style.KEY_LETTERS)) == 3
+    assert style.columns_of(["word"] * 5, 5 * (4 + style.KEY_LETTERS)) == 5
+    assert style.columns_of(["word"] * 6, 4) == style.columns_of([], 4) == 1
+
+
+@pytest.mark.parametrize(("width", "is_written"), [(90.0, False), (240.0, True)])
+def test_levels_are_written_where_a_panel_is_large_beside_them(width, is_written):
+    dataset = data.stability_map()
+    asked = figure("map", variable="L_s", level=[0.0005, 0.001])
+    drawn = draw(dataset, asked, look=look_of("paper", width=width))
+    assert bool(drawn.axes[0].texts) == is_written
+    assert any("0.0005" in text.get_text() for text in drawn.legends[0].get_texts())
+
+
 def test_eight_sorts_of_points_have_marks_that_are_told_apart():
     looks = {style.mark_of(number, 8, 1.0)["marker"] for number in range(8)}
     assert len(looks) == 8
@@ -1661,7 +1698,7 @@ def test_a_map_has_the_label_of_its_colour_bar_that_it_asks_for():
         ("map", {"periodic": "squeal"}, "legend"),
         ("phase", {"stick": "held"}, "legend"),
         ("history", {"time": "duration", "stick": "held"}, "labels"),
-        ("curve", {"disc speed": "speed"}, "labels"),
+        ("curve", {"disc speed Omega": "speed"}, "labels"),  # "disc speed $\\Omega$ (rad/s)"
     ],
 )
 def test_a_figure_is_written_in_words_of_ones_own(kind, asked, where):
@@ -2695,6 +2732,22 @@ def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
 
 
 @pytest.mark.parametrize("kind", ["history", "phase"])
+def test_a_motion_that_ended_before_its_time_has_a_mark_where_it_did(kind):
+    dataset = data.history(labels=("far",))
+    whole = draw(dataset, figure(kind, variable="phi")).legends[0]
+    assert "contact lost" not in [text.get_text() for text in whole.get_texts()]
+    lost = np.full(dataset["status"].shape, "contact_lost", object)
+    dataset["reason"] = data.flags(dataset["status"].dims, lost, [*REASON.codes])
+    drawn = draw(dataset, figure(kind, variable="phi"))
+    assert "contact lost" in [text.get_text() for text in drawn.legends[0].get_texts()]
+    (end,) = [line for line in drawn.axes[0].lines if line.get_marker() == "X"]
+    last = dataset.squeeze().isel(time=-1)
+    assert end.get_xdata()[0] == (last["time"] if kind == "history" else last["phi"])
+    part = draw(dataset, figure(kind, variable="phi", window=(0.0, 0.1))).legends[0]
+    assert "contact lost" not in [text.get_text() for text in part.get_texts()]
+
+
+@pytest.mark.parametrize("kind", ["history", "phase"])
 def test_sticks_of_other_contacts_are_marked_where_no_panel_is_about_one(kind):
     dataset = data.history(labels=("far",))
     states = dataset["contact_state"].expand_dims(contact=[1, 2], axis=1).copy()
@@ -3110,7 +3163,10 @@ def test_frequencies_of_modes_come_in_the_unit_that_is_asked_for():
         for unit in ({}, {"unit": "rad/s"})
     )
     assert " ".join(in_radians.get_ylabel().split()) == "angular frequency of the mode (rad/s)"
-    for one, other in zip(in_hertz.lines, in_radians.lines, strict=True):
+    drawn = (
+        [line for line in ax.lines if line.get_marker() != "X"] for ax in (in_hertz, in_radians)
+    )
+    for one, other in zip(*drawn, strict=True):
         np.testing.assert_allclose(other.get_ydata(), 2.0 * np.pi * np.asarray(one.get_ydata()))
 
 

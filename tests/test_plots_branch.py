@@ -14,7 +14,7 @@ from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import default_figures, draw, figures_of
+from fiv_cli.plots import branch, default_figures, draw, figures_of
 from fiv_cli.plots.branch import _nearest
 from fiv_cli.plots.labels import told_apart, values_along
 from fiv_cli.plots.style import BLACK
@@ -325,3 +325,13 @@ def test_values_that_advance_together_and_are_equal_are_one_word() -> None:
     c1, c2 = (xr.DataArray([0.1, 0.2], attrs=damping | {"symbol": f"c_{n}"}) for n in (1, 2))
     assert values_along([c1, c2], 1) == ["$c_1$ = $c_2$ = 0.2 N s/m"]
     assert values_along([c1, 2.0 * c2.assign_attrs(damping)], 0)[0] == "$c_1$ = 0.1 N s/m"
+
+
+def test_a_branch_that_is_a_part_of_anothers_is_seen_beneath_it() -> None:
+    """Its cycles are others, and lie on the same line."""
+    turn = np.linspace(0.0, np.pi, 41)
+    whole = np.stack([np.cos(turn), np.sin(turn), -np.sin(turn)], axis=-1)
+    part = (0.5 * (whole[1:] + whole[:-1]))[:15]
+    assert branch._lies_on(part, whole) and not branch._lies_on(whole, part)
+    assert not branch._lies_on(part + np.array([0.0, 0.1, 0.0]), whole)
+    assert not branch._lies_on(part[:0], whole) and not branch._lies_on(part, whole[:1])

@@ -46,7 +46,8 @@ MARKS = {
 HOLLOW: dict[str, Any] = {"mfc": "none", "mew": 0.6, "ms": 4.5, "ls": "none"}
 TOLD = {"equilibrium": "ends at an equilibrium", "bracket": "goes on beyond the bracket"}
 LARGER = {"*": 1.7}  # of other marks: a star of their size is a dot
-ALIKE = 1e-3  # of changes and ends, which have errors of their own
+UPON = 5e-3  # of the extent of two branches: no line is as thin
+MOST_COMPARED = 300  # cycles of a branch
 MOST_BENEATH = 2  # lines that are seen beneath another
 SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
 LEFTWARDS = "<"
@@ -112,17 +113,28 @@ def _branch(
 
 
 def _upon(dataset: xr.Dataset, index: Mapping[str, int]) -> int:
-    """How many later starts lead to the same branch: with its changes and ends, and as high."""
+    """How many later starts lead to the same branch, or to one that it is a part of."""
     first, count = index.get("initial", 0), dataset.sizes.get("initial", 1)
-    own, *others = (_told_of(dataset, {**index, "initial": n}) for n in range(first, count))
-    return sum(own.shape == one.shape and np.allclose(one, own, rtol=ALIKE) for one in others)
+    own, *others = (_line(dataset, {**index, "initial": n}) for n in range(first, count))
+    return sum(_lies_on(own, other) for other in others)
 
 
-def _told_of(dataset: xr.Dataset, index: Mapping[str, int]) -> np.ndarray:
-    """Changes and ends of a branch, and the least and greatest that its cycles have."""
-    ends = dataset["cycle_end"].values[_rows(dataset, "cycle_end", index)]
-    heights = _heights(dataset, index, at_section=False)[1]
-    return np.append(np.sort(ends), [heights.min(initial=np.inf), heights.max(initial=-np.inf)])
+def _line(dataset: xr.Dataset, index: Mapping[str, int]) -> np.ndarray:
+    """The parameter along a branch and the extremes there, shape (cycles, 3)."""
+    return np.vstack(_heights(dataset, index, at_section=False)).T
+
+
+def _lies_on(own: np.ndarray, other: np.ndarray) -> bool:
+    """Whether most cycles of a branch lie on the line through those of another."""
+    if not len(own) or len(other) < 2:
+        return False
+    extent = np.maximum(np.ptp(np.vstack([own, other]), axis=0), np.finfo(float).tiny)
+    own, other = own[:: 1 + len(own) // MOST_COMPARED] / extent, other / extent
+    away, steps = own[:, None] - other[:-1], np.diff(other, axis=0)
+    lengths = np.maximum((steps**2).sum(axis=-1), np.finfo(float).tiny)
+    share = np.clip((away * steps).sum(axis=-1) / lengths, 0.0, 1.0)
+    off = np.linalg.norm(away - share[..., None] * steps, axis=-1).min(axis=1)
+    return bool((off < UPON).mean() > 0.5)
 
 
 def draw_marks(

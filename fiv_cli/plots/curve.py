@@ -59,7 +59,8 @@ UNSURE = {
 SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
 STEP = 3.0  # times those beside it: a step that no curve takes
-SEEN = 0.02  # share of its range by which a line leaps at least where it breaks
+# Shares of its range by which a line leaps at least where it breaks; beside a kind of one point.
+SEEN, SEEN_ALONE = 0.02, 0.25
 SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
 SMALL = 0.02  # ... or of all values
@@ -587,9 +588,9 @@ def _changes_kind(y: np.ndarray, kinds: np.ndarray) -> np.ndarray:
     if not within.size:
         return np.zeros(steps.shape, bool)
     known = np.pad(np.where(differ, np.nan, steps), 1, constant_values=np.nan)
-    beside = np.fmax(known[:-2], known[2:])
+    beside, is_alone = np.fmax(known[:-2], known[2:]), np.isnan(known[:-2] + known[2:])
     beside = np.where(np.isnan(beside), np.median(within), beside)
-    least = SEEN * np.ptp(y[np.isfinite(y)])
+    least = np.where(is_alone, SEEN_ALONE, SEEN) * np.ptp(y[np.isfinite(y)])
     return np.asarray(differ & (steps > np.maximum(STEP * beside, least)))
 
 

@@ -247,6 +247,8 @@ def draw(
     with style.looks(axis, look, settings.get("words")):
         drawn = kind.draw(layers, settings)
         points.relabel(drawn, settings)
+        for ax in drawn.axes if settings.keys() & {"xlim", "ylim"} else ():
+            points.show_on_the_frame(ax)
         style.finish(drawn)
         return drawn
 

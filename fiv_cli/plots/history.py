@@ -46,7 +46,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     numbers = motion.others_sticking(motions, *every)
     others = [Patch(label=motion.sticking(number), **OTHER_STICKS) for number in numbers]
     what = "range of samples" if all(map(_is_dense, motions)) else "samples"
-    told = [*others, *motion.sampled(motions, names, what)]
+    told = [*others, *motion.ends(motions), *motion.sampled(motions, names, what)]
     _legend(figure, axes, motion.states_present(motions, *every), told, contact)
     return figure
 
@@ -95,6 +95,9 @@ def _panel(
     else:
         told = points.unlisted(one.label, name)
         _curve(ax, one, name, values, coarse, color=style.BLACK, label=told, rasterized=many)
+    for value in np.atleast_2d(values)[:, -1] if one.end else ():
+        told = points.unlisted(one.label, one.end)
+        ax.plot(one.time[-1], value, label=told, clip_on=False, **motion.END)
     ax.margins(x=0)
     style.level(ax)
     points.scale(ax, settings)

@@ -37,6 +37,7 @@ ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 # Of the half of what is written: another line is not to come so near; where that leaves no room, a
 # line of another level that is still nearer is one with it.
 CLEAR, ALIKE = 1.0, 0.4
+WIDEST = 0.16  # of a panel: levels that take more hide what they name, and the legend tells them
 MOST_PLACES, MOST_ELSEWHERE = 300, 5000
 STEP = 0.25  # between points of other lines, in heights of letters
 PAD = 0.25  # around a level that is written, in heights of its letters
@@ -143,8 +144,15 @@ def draw(
                 lines.set_path_effects(RIM if rim else [])
                 lines.set_label(points.unlisted(label, _words(array, level, levels)))
                 drawn.append((lines, level))
-    if named:
+    if named and _has_room(ax, levels):
         _name(ax, drawn, levels)
+
+
+def _has_room(ax: Axes, levels: Sequence[float]) -> bool:
+    """Whether a panel is large beside what would be written on it."""
+    letters = style.longest([labels.number_text(level, levels) for level in levels])
+    length = letters * style.LETTER * mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS
+    return bool(length < WIDEST * ax.bbox.width)
 
 
 def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]) -> None:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
 
 from fiv_cli.errors import UsageError
-from fiv_cli.flags import MOTION_OF_A_CYCLE
+from fiv_cli.flags import ENDED_EARLY, MOTION_OF_A_CYCLE
 from fiv_cli.plots import labels, points
 from fiv_cli.reading import sampling, select
-from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.datasets import class_names, flag_names, is_class
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +28,7 @@ CONTACT_STATES = {
     "stick": "stick",
     "separation": "separation",
 }
+END: dict[str, Any] = {"marker": "X", "ms": 6.0, "color": "black", "mew": 0.0, "ls": "none"}
 # Forces and powers jump where a contact changes; all else does so at an impact only.
 JUMPING = ("N", "W")
 
@@ -46,7 +47,8 @@ class Event:
 class Motion:
     """One motion: `label` names what tells it from the others; `time` in s, without padding.
 
-    Its `events` are those between the first sample and the last.
+    Its `events` are those between the first sample and the last; `end` is what it ended by before
+    its time, if it did: "contact lost".
     A motion is drawn through its events too: each instant stands twice in `drawn_time`, for what is
     before and what is after it. What its samples do not follow is drawn as these alone.
     """
@@ -55,6 +57,7 @@ class Motion:
     time: np.ndarray
     data: xr.Dataset
     events: tuple[Event, ...]
+    end: str = ""
 
     @cached_property
     def instants(self) -> np.ndarray:
@@ -156,10 +159,13 @@ def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) ->
     data = dataset.isel(line.index)
     time = data["time"].values
     known = np.isfinite(time) & np.isfinite(data[sampling.displacements(dataset)[0]].values)
+    last = time[known].max(initial=-np.inf)
     known &= (begin <= time) & (time <= end)
     kept = time[known]
     ledger = tuple(_events(dataset, line, kept[0], kept[-1])) if kept.size else ()
-    return Motion(line.label, kept, data.isel(time=np.flatnonzero(known)), ledger)
+    early = "reason" in data and is_class(data["reason"], ENDED_EARLY) and last in kept
+    word = class_names(data["reason"]).item().replace("_", " ") if early else ""
+    return Motion(line.label, kept, data.isel(time=np.flatnonzero(known)), ledger, word)
 
 
 def _events(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Iterator[Event]:
@@ -270,6 +276,11 @@ def sampled(every: Sequence[Motion], names: Sequence[str], what: str = "samples"
     label = f"{what}, too few for a curve"
     points = Line2D([], [], color="black", marker=".", ls="none", label=label)
     return [points] if any(one.is_coarse(*names) for one in every) else []
+
+
+def ends(every: Sequence[Motion]) -> list[Line2D]:
+    """Legend entries of what motions ended by before their time."""
+    return [Line2D([], [], label=word, **END) for word in sorted({one.end for one in every} - {""})]
 
 
 def states_present(every: Sequence[Motion], *settings: points.Settings) -> list[str]:

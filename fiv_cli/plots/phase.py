@@ -64,7 +64,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         Line2D([], [], label=motion.sticking(number), **_band(number, settings))
         for number in motion.others_sticking(motions, settings)
     ]
-    others += motion.sampled(motions, names)
+    others += [*motion.ends(motions), *motion.sampled(motions, names)]
     if any(np.isfinite(_held(one, names)) for one in motions):
         others.append(Line2D([], [], label="held in stick", **HELD))
     coarse = all(one.is_coarse(*names) for one in motions)
@@ -199,6 +199,8 @@ def _panel(
     if mark.label:
         label = points.unlisted(one.label, mark.label)
         ax.plot(*path.points[0], marker=mark.marker, label=label, **MARK)
+    if one.end:
+        ax.plot(*path.points[-1], label=points.unlisted(one.label, one.end), **motion.END)
     held = _held(one, names)
     if np.isfinite(held):
         stick = points.unlisted(one.label, "held in stick")

@@ -210,6 +210,16 @@ def scale(ax: Axes, settings: Settings) -> None:
         _scale_to_view(ax)
 
 
+def show_on_the_frame(ax: Axes) -> None:
+    """Whole marks on the limits of a panel, of lines that do not reach beyond."""
+    (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
+    for line in [one for one in ax.lines if one.get_transform() == ax.transData]:
+        x, y = np.asarray(line.get_xydata(), float).reshape(-1, 2).T
+        inside = (left <= x) & (x <= right) & (low <= y) & (y <= high)
+        known = np.isfinite(x + y)
+        line.set_clip_on(not known.any() or not inside[known].all())
+
+
 def is_logarithmic(settings: Settings, which: str) -> bool:
     """Whether the figure asks for logarithms on "x" or "y", or of the shades, "z"."""
     log = settings.get("log", "")
@@ -517,7 +527,7 @@ def mark_gaps(
         )  # fmt: skip
     limited = "ylim" in settings and ax is axes[0]
     if looks and not limited and ax.get_yscale() == "linear":
-        _make_room_below(ax, step * len(looks))
+        _make_room_below(ax, step * (len(looks) + 1))  # marks of values reach below these
 
 
 def _by_look(
@@ -584,7 +594,7 @@ def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarra
         here = mask.isel(line.index).values
         found[name] = found.get(name, False) | here
     some = {name: here for name, here in found.items() if here.any()}
-    if len(found) > MOST_ENTRIES_INSIDE or len({here.tobytes() for here in found.values()}) == 1:
+    if len(some) > MOST_ENTRIES_INSIDE or len({here.tobytes() for here in found.values()}) == 1:
         return [(label, np.logical_or.reduce([*some.values()]))]
     return [*some.items()]
 

@@ -35,7 +35,7 @@ from matplotlib.ticker import AutoLocator, FuncFormatter
 
 from fiv_cli.errors import StorageError, UsageError
 from fiv_cli.files import refuse_special, write_whole
-from fiv_cli.plots import drawn
+from fiv_cli.plots import drawn, labels
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -241,11 +241,18 @@ class _Words:
         if not self.own:
             return text
         self.texts[text] = None
-        return self._known(*self.own).sub(lambda match: self.own[match[0]], text)
+        spelt = {form: own for word, own in self.own.items() for form in self._spelt(word)}
+        return self._known(*spelt).sub(lambda match: spelt[match[0]], text)
 
     def unsaid(self) -> list[str]:
         """The words that stood in none."""
-        return [word for word in self.own if not any(map(self._known(word).search, self.texts))]
+        known = {word: self._known(*self._spelt(word)) for word in self.own}
+        return [word for word, one in known.items() if not any(map(one.search, self.texts))]
+
+    @staticmethod
+    def _spelt(word: str) -> tuple[str, str]:
+        """A word as it is written, and as a figure shows it: ``of v`` is ``of $v$``."""
+        return word, labels.with_symbols(word)
 
     @staticmethod
     def _known(*words: str) -> re.Pattern[str]:
@@ -329,12 +336,17 @@ def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> 
 
 
 def columns_of(words: Sequence[str], room: int) -> int:
-    """How many columns of a legend stand side by side: each is as wide as its longest entry."""
-    for columns in range(len(words), 1, -1):
-        widths = [KEY_LETTERS + longest(part) for part in _parted(words, columns)]
-        if sum(widths) <= room:
-            return columns
-    return 1
+    """How many columns of a legend stand side by side: each is as wide as its longest entry.
+
+    No more than are needed for as few rows: none of these has a single entry then.
+    """
+
+    def has_room(columns: int) -> bool:
+        return sum(KEY_LETTERS + longest(part) for part in _parted(words, columns)) <= room
+
+    most = next(filter(has_room, range(len(words), 1, -1)), 1)
+    even = -(-len(words) // -(-len(words) // most)) if words else 1
+    return even if has_room(even) else most
 
 
 def _parted(words: Sequence[str], columns: int) -> list[list[str]]:
