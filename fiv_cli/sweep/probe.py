@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fiv_cli import ending
 from fiv_cli.analyses import get_analysis
@@ -68,6 +68,7 @@ class Probe:
     most: float = inf
     guess: float = inf
     _spent: float = 0.0
+    _known: Template | None = None  # of the last task: of many starts it is large
     _process: BaseProcess | None = None
     _pipe: Connection | None = None
 
@@ -120,9 +121,11 @@ class Probe:
         """What a task gives, and its processor time, s; the time alone: it was ended."""
         pipe, before = self._begun() if self._pipe is None else self._pipe, self._spent
         with suppress(EOFError, ConnectionError):
-            pipe.send((task, limit))
-            result, self._spent = pipe.recv()
-            return result, self._spent - before
+            same = task.template is self._known
+            pipe.send((None if same else task.template, task.variables, task.segments, limit))
+            self._known = task.template
+            result, seconds, self._spent = pipe.recv()
+            return result, seconds
         return min(limit, self._end() - before)
 
     def _begun(self) -> Connection:
@@ -143,7 +146,7 @@ class Probe:
             self._process.kill()
             self._process.join()
             self._pipe.close()
-        self._process = self._pipe = None
+        self._process = self._pipe = self._known = None
         self._spent = 0.0
         return _of_children() - before
 
@@ -168,17 +171,24 @@ def _of_children() -> float:
 
 
 def _serve(pipe: Connection, theirs: Connection, parent: int) -> None:
-    """Run what comes; SIGPROF and SIGALRM keep their default action, which ends the process."""
+    """Run what comes; SIGPROF and SIGALRM keep their default action, which ends the process.
+
+    What it takes to come is no part of what it takes: a run sends many points at once.
+    """
+    known: Any = None
     theirs.close()
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     initialise(parent, *gc.get_threshold())
     with suppress(EOFError, ConnectionError, ending.Ended):  # the parent is ending, or was about to
         while True:
-            task, limit = pipe.recv()
+            template, variables, segments, limit = pipe.recv()
+            known = template or known
+            begun = time.process_time()
             signal.setitimer(signal.ITIMER_PROF, limit)
             signal.setitimer(signal.ITIMER_REAL, WAITING * limit)
-            result = run_task(task)
+            result = run_task(Task(known, variables, segments))
             signal.setitimer(signal.ITIMER_PROF, 0.0)
             signal.setitimer(signal.ITIMER_REAL, 0.0)
-            pipe.send((result, time.process_time()))
+            ended = time.process_time()
+            pipe.send((result, ended - begun, ended))
