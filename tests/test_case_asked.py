@@ -402,6 +402,11 @@ def test_a_result_of_another_analysis_narrows_nothing_and_is_told_so() -> None:
     )
 
 
+def test_a_basin_is_of_the_only_response_whatever_other_analyses_there_are() -> None:
+    two = '[[analysis]]\nkind = "eigenvalues"\nname = "other"\n'
+    assert parse_case(BELT + two + '[[figure]]\nkind = "basin"\n', "a.toml", ())
+
+
 @pytest.mark.parametrize(("name", "is_known"), [("x", True), ("initial.x_dot", True), ("z", False)])
 def test_a_basin_is_drawn_over_components_of_starts(name: str, is_known: bool) -> None:
     """Which its axes call ``initial.x``, and the model ``x``."""

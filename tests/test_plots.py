@@ -52,6 +52,7 @@ from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.plots.style import BLACK, class_colours, dot_size, finer, line_colours, tame_texts
+from fiv_cli.reading import sampling
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
@@ -350,6 +351,72 @@ def test_what_all_of_many_starts_lead_to_has_one_mark():
     assert legend_texts(ax)[0] == "both starts"
 
 
+def test_a_rest_of_all_starts_is_seen_inside_their_mark():
+    dataset = data.bifurcation().isel(Omega=slice(30, None))
+    dataset["attractor"][:] = data.codes(data.ATTRACTORS, "equilibrium")
+    dataset = dataset.drop_dims("section_obs").assign(
+        section_row_size=dataset["section_row_size"] * 0,
+        section_value=("section_obs", [], data.bifurcation()["section_value"].attrs),
+        phi_max=dataset["L_s"] * 0.0 + 1.0,
+    )
+    (ax,) = draw(dataset, figure("bifurcation")).axes
+    drawn = [line for line in ax.lines if len(line.get_xdata())]
+    (square,) = [line for line in drawn if line.get_marker() == "s"]
+    (around,) = [line for line in drawn if line.get_marker() == "D"]
+    assert around.get_markerfacecolor() == "none"
+    assert around.get_markersize() > 1.5 * square.get_markersize()
+
+
+def test_crowds_of_several_starts_are_seen_through_one_another():
+    """Chaos that all reach: none hides another, and their keys are dots."""
+    crowd = 0.03 + 0.001 * np.arange(40)
+    classes = np.full((3, 2), "chaotic", object)
+    coords = data.axes(Omega=[1.0, 2.0, 3.0], initial=["near", "far"])
+    rows = [list(crowd + 1e-3 * start) for start in [0, 1] * 3]
+    dataset = data.response(classes, np.ones((3, 2)), coords, rows=rows)
+    (ax,) = draw(dataset, figure("bifurcation")).axes
+    drawn = [line for line in ax.lines if len(line.get_xdata())]
+    turns = [str(line.get_label()) for line in drawn]
+    assert turns == ["_near", "_far"] * 4
+    assert sum(len(line.get_xdata()) for line in drawn) == 3 * 2 * 40
+    keys = {str(line.get_label()): line for line in ax.lines if not len(line.get_xdata())}
+    assert {keys[name].get_marker() for name in ("near", "far")} == {"."}
+
+
+def test_a_line_is_seen_beneath_one_that_runs_upon_it_for_a_while():
+    dataset = data.bifurcation()
+    dataset["status"][:] = data.STATUS.index("ok")
+    dataset["attractor"][:] = data.codes(data.ATTRACTORS, "periodic")
+    values = np.arange(46.0)[:, None] * [1.0, 1.0] + np.where(np.arange(46) < 20, 0.0, 5.0)[:, None]
+    values[:20, 1] += 3.0
+    two = dataset.assign(
+        x_rms=(("Omega", "initial"), values, {"units": "m"}),
+        y_rms=(("Omega", "initial"), values + 1.0, {"units": "m"}),
+    )
+    _, ax = draw(two, figure("curve", variable=["L_s", "x_rms", "y_rms"])).axes
+    widths = {str(one.get_label()): one.get_linewidth() for one in ax.lines if len(one.get_xdata())}
+    of = {start: {w for name, w in widths.items() if start in name} for start in ("near", "far")}
+    assert min(of["near"]) == 2.0 * max(of["far"])
+
+
+@pytest.mark.parametrize("asked", [{"initial": "near"}, {"initial": "other"}])
+def test_each_file_of_a_figure_selects_what_its_own_figure_of_that_name_does(asked):
+    """But what is selected for all of them is."""
+    one, two = data.bifurcation(), data.bifurcation().assign_coords(initial=["held", "free"])
+    near = figure("bifurcation", select={"initial": "near"})
+    files = [
+        ("one", one.assign_attrs(data.attributes(near))),
+        ("two", two.assign_attrs(data.attributes(figure("bifurcation")))),
+    ]
+    if asked["initial"] == "other":
+        with pytest.raises(UsageError, match="initial = other: not in this dataset"):
+            draw(files, figure("bifurcation", select=asked))
+        return
+    (ax,) = draw(files, figure("bifurcation", select=asked)).axes
+    told = " ".join(legend_texts(ax))
+    assert all(word in told for word in ("one", "held", "free")) and "far" not in told
+
+
 @pytest.mark.parametrize(
     ("step", "kind", "breaks"),
     [(0.1, "multiplicity", 1), (0.1, "stick_fraction", 1), (0.0, "multiplicity", 0), (0.1, "", 0)],
@@ -370,6 +437,15 @@ def test_a_curve_does_not_break_where_no_leap_is_seen():
     shares = np.array([0.0, 0.0, 0.0, 0.8821, 0.8835, 0.8833, 0.8832])
     kinds = np.array([1.0, 1.0, 1.0, 3.0, 2.0, 2.0, 2.0])
     assert np.flatnonzero(curve._changes_kind(shares, kinds)).tolist() == [2]
+
+
+@pytest.mark.parametrize(("log", "breaks"), [(False, 0), ("y", 1)])
+def test_a_leap_of_decades_is_seen_on_a_logarithmic_axis_alone(log, breaks):
+    dataset = data.bifurcation().isel(initial=[0], Omega=slice(0, 8))
+    dataset["L_s"].values[:, 0] = [1e-4, 1.1e-4, 1.2e-4, 1e-2, 1.1e-2, 1.2e-2, 0.9, 1.0]
+    dataset["multiplicity"] = dataset["status"].copy(data=1 + (np.arange(8) >= 3)[:, None])
+    line = draw(dataset, figure("curve", variable="L_s", log=log)).axes[0].lines[0]
+    assert np.isnan(line.get_ydata()).sum() == breaks
 
 
 def test_files_of_which_one_has_an_axis_more_share_a_curve():
@@ -458,12 +534,12 @@ def test_what_is_undecided_has_a_key_of_the_colours_that_it_has():
     dataset = data.bifurcation()
     (ax,) = draw(dataset, figure("bifurcation")).axes
     colours = {name: to_hex(colour) for name, colour in points.colours([ax]).items()}
-    assert colours["values where undecided"] == colours["far"] != colours["near"]
+    assert colours["values where undecided"] == style.pale(colours["far"])
     dataset["attractor"][:, 0] = data.codes(data.ATTRACTORS, "undecided")
     (ax,) = draw(dataset, figure("bifurcation")).axes
     (key,) = [line for line in ax.lines if line.get_label() == "values where undecided"]
     halves = [to_hex(half) for half in (key.get_markerfacecolor(), key.get_markerfacecoloralt())]
-    assert halves == [colours["near"], colours["far"]]
+    assert halves == [style.pale(colours["near"]), style.pale(colours["far"])]
 
 
 def test_many_values_of_one_point_are_dots():
@@ -1692,35 +1768,54 @@ def test_a_map_has_the_label_of_its_colour_bar_that_it_asks_for():
 
 
 @pytest.mark.parametrize(
-    ("kind", "asked", "where"),
+    ("kind", "asked", "said", "kept"),
     [
-        ("bifurcation", {"near": "from rest", "failed": "lost"}, "legend"),
-        ("map", {"periodic": "squeal"}, "legend"),
-        ("phase", {"stick": "held"}, "legend"),
-        ("history", {"time": "duration", "stick": "held"}, "labels"),
-        ("curve", {"disc speed Omega": "speed"}, "labels"),  # "disc speed $\\Omega$ (rad/s)"
+        ("bifurcation", {"near": "from rest", "failed": "lost"}, ["from rest", "lost: far"], "far"),
+        ("map", {"periodic": "squeal"}, ["squeal"], "equilibrium"),
+        ("phase", {"stick": "held", "x": "y", "dot": "no"}, ["held"], r"$\dot{\varphi}$ (rad/s)"),
+        ("history", {"time": "duration", "start": ""}, ["duration $t$ (s)"], "stick"),
+        ("curve", {"disc speed Omega": "speed", "ear": "no"}, ["speed (rad/s)"], "near"),
     ],
 )
-def test_a_figure_is_written_in_words_of_ones_own(kind, asked, where):
+def test_a_figure_is_written_in_words_of_ones_own(kind, asked, said, kept):
+    """Names are matched whole, as they are written or as symbols; formulas have none in them."""
     dataset = {
         "map": data.stability_map, "phase": data.history, "history": data.history
     }.get(kind, data.bifurcation)()  # fmt: skip
     drawn = draw(dataset, figure(kind, words=asked))
-    legends = drawn.findobj(Legend)
-    texts = {
-        "legend": [text.get_text() for one in legends for text in one.get_texts()],
-        "labels": [label for ax in drawn.axes for label in (ax.get_xlabel(), ax.get_ylabel())],
-    }[where]
-    for word, own in [*asked.items()][:1]:
-        assert any(own in text for text in texts)
-        assert not any(re.search(rf"\b{word}\b", text) for text in texts)
+    texts = [text.get_text() for one in drawn.findobj(Legend) for text in one.get_texts()]
+    texts += [label for ax in drawn.axes for label in (ax.get_xlabel(), ax.get_ylabel())]
+    assert {*said, kept} <= {*texts}
+    told = draw(dataset, figure(kind))
+    plain = [text.get_text() for one in told.findobj(Legend) for text in one.get_texts()]
+    plain += [label for ax in told.axes for label in (ax.get_xlabel(), ax.get_ylabel())]
+    assert kept in plain and not {*said} & {*plain}
 
 
-def test_words_that_a_figure_does_not_have_are_told_with_those_that_it_has():
-    with pytest.raises(UsageError, match=r"words: 'belt': in no text of this figure\n.*near; far"):
-        draw(data.bifurcation(), figure("bifurcation", words={"belt": "disc", "near": "close"}))
-    with pytest.raises(UsageError, match="'ear'"):  # a part of a word is none
-        draw(data.bifurcation(), figure("bifurcation", words={"ear": "mouth"}))
+def test_words_of_ones_own_are_in_tables_and_under_axes_of_names():
+    drawn = draw(data.bifurcation(), figure("bifurcation", words={"near": "from rest"}))
+    rows = csv.reader(as_csv(drawn, Path("a.csv")).splitlines()[1:])
+    assert {"from rest", "far"} <= {row[4] for row in rows}
+    (ax,) = draw(data.bifurcation(), figure("curve", x="initial", words={"far": "away"})).axes
+    assert [text.get_text() for text in ax.get_xticklabels()] == ["near", "away"]
+
+
+def test_words_and_limits_are_for_the_panel_that_is_given():
+    both = Figure()
+    given, other = both.subplots(1, 2)
+    other.plot([0.0, 1.0], [0.0, 1.0])
+    other.set_title("near far")
+    draw(data.bifurcation(), figure("bifurcation", words={"near": "x"}, ylim=(0.0, 9.0)), given)
+    assert other.get_title() == "near far" and other.lines[0].get_clip_on()
+    assert "x" in legend_texts(given)
+
+
+def test_words_that_a_figure_does_not_have_are_told_with_those_that_it_has(tmp_path):
+    asked = FigureSpec("d", "bifurcation", {"words": {"belt": "roller", "near": "close"}})
+    data.bifurcation().assign_attrs(data.attributes(asked)).to_netcdf(tmp_path / "a.nc")
+    told = CliRunner().invoke(plot_command, [str(tmp_path / "a.nc"), "-o", str(tmp_path / "a.png")])
+    assert told.exit_code == 0
+    assert "words: 'belt': in no legend and at no axis; there: close; far" in told.stderr
 
 
 @pytest.mark.parametrize("log", [False, "z"])
@@ -2731,6 +2826,19 @@ def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
     assert alone.legends[0].get_title().get_text() == ""
 
 
+def test_a_side_of_one_sample_tells_nothing_of_a_corner():
+    """Another contact's event lies just before: the slip up to the stick is known at one instant."""
+    time, values = np.arange(8.0), np.array([0.0, 0.05, 0.1, 0.13, 0.3, 0.3, 0.3, 0.3])
+    events = (motion.Event(2.5, 2, "slip+", "stick"), motion.Event(3.7, 1, "slip+", "stick"))
+    one = motion.Motion("", time, xr.Dataset(), events)
+    sides = [sampling.led_to(one.instants, time, values, side) for side in (-1, 1)]
+    assert one._met(values, *sides, 2)[1] == pytest.approx(0.3)
+    again = motion.Event(3.8, 1, "stick", "stick")
+    twice = motion.Motion("", time, xr.Dataset(), (events[1], again))  # no sample between
+    sides = [sampling.led_to(twice.instants, time, values, side) for side in (-1, 1)]
+    assert twice._met(values, *sides, 2) == pytest.approx([0.3, 0.3])
+
+
 @pytest.mark.parametrize("kind", ["history", "phase"])
 def test_a_motion_that_ended_before_its_time_has_a_mark_where_it_did(kind):
     dataset = data.history(labels=("far",))
@@ -2766,6 +2874,16 @@ def test_sticks_of_other_contacts_are_marked_where_no_panel_is_about_one(kind):
     else:  # of one contact in any case
         assert told[1] == told[None]
         assert "contact 1 sticks" in told[2] and "contact 2 sticks" not in told[2]
+    if kind == "phase":  # files of other numbers of contacts
+        three = dataset.reindex(contact=[1, 2, 3]).assign(
+            contact_state=states.isel(contact=[0, 1, 1]).assign_coords(contact=[1, 2, 3])
+        )
+        one = data.history(labels=("near",))
+        for files in ([one, dataset], [dataset, three], [three, dataset]):
+            shown = draw([(f"{n}", part) for n, part in enumerate(files)], figure(kind))
+            words_ = [text.get_text() for text in shown.legends[0].get_texts()]
+            assert "contact 2 sticks" in words_
+            assert ("contact 3 sticks" in words_) == any(one is three for one in files)
     (ax,) = draw(dataset, figure(kind, variable="phi")).axes
     bars = [patch.get_extents().height / ax.bbox.height for patch in ax.patches]
     assert kind == "phase" or min(bars) < 0.05 < 0.9 < max(bars)  # across, one is seen

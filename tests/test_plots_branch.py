@@ -330,7 +330,8 @@ def test_values_that_advance_together_and_are_equal_are_one_word() -> None:
 def test_a_branch_that_is_a_part_of_anothers_is_seen_beneath_it() -> None:
     """Its cycles are others, and lie on the same line."""
     turn = np.linspace(0.0, np.pi, 41)
-    whole = np.stack([np.cos(turn), np.sin(turn), -np.sin(turn)], axis=-1)
+    constant = np.full(turn.shape, 5.0) * (1.0 + 1e-16 * np.arange(41))  # the least at a stop
+    whole = np.stack([np.cos(turn), np.sin(turn), constant], axis=-1)
     part = (0.5 * (whole[1:] + whole[:-1]))[:15]
     assert branch._lies_on(part, whole) and not branch._lies_on(whole, part)
     assert not branch._lies_on(part + np.array([0.0, 0.1, 0.0]), whole)

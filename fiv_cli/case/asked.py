@@ -114,7 +114,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
     if len(sound) == len(names) > 1 and analysis is None:
         _check_of_several(figure, case, names, held, (*place, key), report)
     if analysis is None and figure.kind in ("curve", "map", "basin"):
-        first = sound if names else _mapped(figure, held, ())
+        unasked = ["attractor"] if figure.kind == "basin" else _mapped(figure, held, ())
+        first = sound if names else unasked
         _check_of_which(first, held, (*place, key), report)
 
 

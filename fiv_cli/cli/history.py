@@ -118,12 +118,14 @@ def _report(outcome: Outcome, path: Path, case: Case) -> int:
 
 def _end(motion: xr.Dataset, case: Case) -> str:
     """The state in which a motion ended, as ``[[initial]]`` of kind "state" takes it."""
+    import numpy as np
+
     from fiv_cli.case.physics import state_units
     from fiv_cli.models import get_model
+    from fiv_cli.reading import sampling
 
     names = state_units(get_model(case.model), case.options)
-    first = next(motion[name] for name in names if name in motion)
-    known = first.notnull().any([dim for dim in first.dims if dim != "time"])
-    last = motion.isel(time=known.values.nonzero()[0][-1])  # it may have ended before its time
+    known = np.isfinite(motion[sampling.displacements(motion)[0]].values.ravel())
+    last = motion.isel(time=known.nonzero()[0][-1])  # it may have ended before its time
     state = ", ".join(f"{name} = {last[name].item()!r}" for name in names if name in motion)
     return f"at t = {last['time'].item():.12g} s: state = {{ {state} }}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from string import ascii_letters
@@ -255,6 +255,10 @@ def _of_files(
             drawn.append((default, _drawn(sources, figure, look)))
             for name in _unsaid(drawn[-1][1], called if len(sources) > 1 else ()):
                 click.echo(f"--label {name}: not in the figure {figure.name}{OWN_NAMES}", err=True)
+            if unsaid := _without_place(drawn[-1][1], figure.settings.get("words", {})):
+                told = f"figure {figure.name}: words: {', '.join(map(repr, unsaid))}"
+                said = "; ".join(_said(drawn[-1][1]))
+                click.echo(f"{told}: in no legend and at no axis; there: {said}", err=True)
         except UsageError as error:
             which = default if len(sources) == 1 else f"figure {figure.name} of all files"
             left_out.append(type(error)(f"{which}: not written: {error}"))
@@ -268,6 +272,20 @@ def _of_files(
         if one not in undrawn:
             click.echo(one, err=True)
     return drawn
+
+
+def _without_place(figure: Figure, words: Mapping[str, str]) -> list[str]:
+    """The words in whose place others were to be written, and nothing was."""
+    unsaid = _unsaid(figure, [*words.values()])
+    return [word for word, own in words.items() if own in unsaid]
+
+
+def _said(figure: Figure) -> list[str]:
+    """The words at the axes of a figure and in its legends."""
+    legends = [*figure.legends, *(one for ax in figure.axes if (one := ax.get_legend()))]
+    texts = [text for legend in legends for text in legend.get_texts()]
+    texts += [text for ax in figure.axes for text in (ax.title, ax.xaxis.label, ax.yaxis.label)]
+    return [*dict.fromkeys(" ".join(text.get_text().split()) for text in texts if text.get_text())]
 
 
 def _unsaid(figure: Figure, names: Sequence[str]) -> list[str]:

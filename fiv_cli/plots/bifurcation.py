@@ -32,10 +32,10 @@ if TYPE_CHECKING:
 DEFAULT = "section_value"
 CROWD = 8  # values at one point of the grid; more are drawn smaller: their marks would be a bar
 FINER = 0.3  # share of its size that a mark has in a crowd, and where it is undecided
+TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 UNSETTLED = "values where undecided"
-PALE = 0.4  # what has no class may be on its way yet
 BEYOND = 0.05  # of its length: what is seen beyond an axis
 # Of changes of cycles: full, since the hollow marks are those of starts.
 CHANGE: dict[str, Any] = {"mec": "white", "mew": 0.4, "ms": 4.0, "ls": "none"}
@@ -245,36 +245,61 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
     apart = np.concatenate([one.sticking[~one.told] for one in clouds])
     resting = "at rest" if apart.any() else "steady sliding"
     _name_sorts(ax, clouds, entries, size)
-    for cloud, entry in zip(clouds, entries, strict=True):
+    pairs = [*zip(clouds, entries, strict=True)]
+    for cloud, entry in pairs:
         _mark_values(ax, cloud, entry, size, sorts, many)
         _mark_rests(ax, cloud, entry, size, sorts, resting)
+    for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
+        _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
     if apart.size:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
-    colours = [own.colour for one, own in zip(clouds, entries, strict=True) if one.undecided.any()]
+    colours = [style.pale(own.colour) for one, own in pairs if one.undecided.any()]
     if colours:
-        halves: dict[str, Any] = {"fillstyle": "left", "mfcalt": colours[-1], "alpha": PALE}
+        halves: dict[str, Any] = {"fillstyle": "left", "mfcalt": colours[-1]}
         ax.plot([], [], "o", mew=0.0, color=colours[0], label=UNSETTLED, **halves)
 
 
 def _mark_values(
     ax: Axes, cloud: _Cloud, entry: points.Entry, size: float, sorts: int, many: bool
 ) -> None:
-    """The values of one cloud: dots where they crowd, pale and small where undecided."""
-    crowded, undecided = cloud.crowded, cloud.undecided
-    seen = 1.0 + SEEN_BEHIND * (sorts - 1 - entry.number) / sorts
-    fine = seen * max(FINEST, FINER * style.finer(int(crowded.sum())) * size)
+    """The values of one cloud that do not crowd, pale and small where undecided.
+
+    The key of a cloud that has no others, and no rests, is a dot as these are.
+    """
+    apart, undecided = ~cloud.crowded, cloud.undecided
     mark, small = (_mark_of(cloud.start, entry.number, sorts, one) for one in (size, FINER * size))
-    dot = style.mark_of(0, 1, fine)
-    look: dict[str, Any] = {"color": entry.colour, "ls": "none", "rasterized": many}
-    among, open_ = points.unlisted(entry.label), points.unlisted(entry.label, UNSETTLED)
-    for part, shape, alpha, label in (
-        (~crowded & ~undecided, mark, None, entry.label),
-        (~crowded & undecided, small, PALE, open_),
-        (crowded & ~undecided, dot, None, among),
-        (crowded & undecided, dot, PALE, open_),
+    is_crowd = not apart.any() and cloud.crowded.any() and not cloud.rest_x.size
+    look: dict[str, Any] = {"ls": "none", "rasterized": many}
+    own, pale = entry.colour, style.pale(entry.colour)
+    for part, shape, colour, label in (
+        (apart & ~undecided, style.mark_of(0, 1, size) if is_crowd else mark, own, entry.label),
+        (apart & undecided, small, pale, points.unlisted(entry.label, UNSETTLED)),
     ):
         if part.any() or label == entry.label:
-            ax.plot(cloud.x[part], cloud.y[part], label=label, alpha=alpha, **shape, **look)
+            ax.plot(cloud.x[part], cloud.y[part], color=colour, label=label, **shape, **look)
+
+
+def _mark_crowds(
+    ax: Axes,
+    cloud: _Cloud,
+    entry: points.Entry,
+    size: float,
+    sorts: int,
+    many: bool,
+    turn: int,
+) -> None:
+    """Of the values that crowd those of one of `TURNS`, in which clouds are seen through others."""
+    seen = 1.0 + SEEN_BEHIND * (sorts - 1 - entry.number) / sorts
+    fine = seen * max(FINEST, FINER * style.finer(int(cloud.crowded.sum())) * size)
+    look = style.mark_of(0, 1, fine) | {"ls": "none", "rasterized": many}
+    of_turn = cloud.crowded & (np.cumsum(cloud.crowded) % TURNS == turn)
+    for part, colour, told in (
+        (of_turn & ~cloud.undecided, entry.colour, ""),
+        (of_turn & cloud.undecided, style.pale(entry.colour), UNSETTLED),
+    ):
+        if part.any():
+            label = points.unlisted(entry.label, told)
+            ax.plot(cloud.x[part], cloud.y[part], color=colour, label=label, **look)
 
 
 def _mark_rests(
@@ -284,9 +309,10 @@ def _mark_rests(
     rest, on_line = ((cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told))
     mark = _mark_of(cloud.start, entry.number, sorts, size)
     look = mark | {"color": entry.colour, "ls": "none"}
+    around = {"ms": 1.9 * size, "mfc": "none", "mew": 0.25 * size} if cloud.start in SHARED else {}
     at_rest = points.unlisted(entry.label, resting)
     ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest)
-    ax.plot(*rest, label=DECORATION, **look)
+    ax.plot(*rest, label=DECORATION, **look | around)
     ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **look)
 
 

@@ -128,7 +128,9 @@ def _lies_on(own: np.ndarray, other: np.ndarray) -> bool:
     """Whether most cycles of a branch lie on the line through those of another."""
     if not len(own) or len(other) < 2:
         return False
-    extent = np.maximum(np.ptp(np.vstack([own, other]), axis=0), np.finfo(float).tiny)
+    both = np.vstack([own, other])
+    rounding = np.maximum(style.ROUNDING * np.abs(both).max(axis=0), np.finfo(float).tiny)
+    extent = np.maximum(np.ptp(both, axis=0), rounding)
     own, other = own[:: 1 + len(own) // MOST_COMPARED] / extent, other / extent
     away, steps = own[:, None] - other[:-1], np.diff(other, axis=0)
     lengths = np.maximum((steps**2).sum(axis=-1), np.finfo(float).tiny)

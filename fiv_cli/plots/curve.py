@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise, product
 from typing import TYPE_CHECKING, Any
 
+import matplotlib as mpl
 import numpy as np
 
 from fiv_cli.errors import UsageError
@@ -56,10 +57,12 @@ UNSURE = {
     "undecided points: nothing known": {"marker": "x", "ms": 5, "ls": "none"},
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
+MOST_BENEATH = 2  # lines that are seen beneath another
 SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
 STEP = 3.0  # times those beside it: a step that no curve takes
-# Shares of its range by which a line leaps at least where it breaks; beside a kind of one point.
+# Shares of its range by which a line leaps at least where it breaks; beside a kind of one
+# point, or at an end, where a step has none beside it.
 SEEN, SEEN_ALONE = 0.02, 0.25
 SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
@@ -292,13 +295,14 @@ def _panel(
         mark = {**own[0].mark, **({} if own[0].is_marked else {"marker": "None"})}
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
     crowd = max((np.isfinite(c.y).sum() for c, _ in lines if not c.of_crossings), default=0)
-    for curve, entry in lines:
+    for place, (curve, entry) in enumerate(lines):
+        wide = sum(_hides(other, (curve, entry)) for other in lines[place + 1 :])
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
         most = 0 if curve.of_crossings else int(crowd)
         for named in _each_named(ax, curve, entry, most):
-            _plot(ax, curve, shift, named, apart, most)
+            _plot(ax, curve, shift, named, apart, most, 1 + min(wide, MOST_BENEATH))
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
     for told, look in UNSURE.items():
         if any(str(drawn.get_label()).endswith(told) for drawn in (*ax.lines, *ax.collections)):
@@ -335,12 +339,27 @@ def _extent(curves: Sequence[_Curve], logarithmic: bool) -> float:
     return float(np.ptp(heights)) if heights.size else 0.0
 
 
+def _hides(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry]) -> bool:
+    """Whether a line runs upon another on some of their way, in another colour and as dashed."""
+    (one, entry), (other, beneath) = over, under
+    if one.sort or entry.dash != beneath.dash or not np.array_equal(one.x, other.x):
+        return False
+    met = np.isclose(one.y, other.y, rtol=UPON, atol=0.0)
+    return bool((met[1:] & met[:-1]).any() and entry.colour != beneath.colour)
+
+
 def _plot(
-    ax: Axes, curve: _Curve, shift: float, entry: points.Entry, apart: bool, most: int
+    ax: Axes,
+    curve: _Curve,
+    shift: float,
+    entry: points.Entry,
+    apart: bool,
+    most: int,
+    wide: int,
 ) -> None:
-    """One line; without lines between points that stand `apart`."""
+    """One line, so many times as `wide` as others; none between points that stand `apart`."""
     y = np.where(curve.is_wide, np.nan, curve.y) + shift
-    look = {"color": entry.colour, **curve.mark}
+    look = {"color": entry.colour, "lw": wide * mpl.rcParams["lines.linewidth"], **curve.mark}
     known = np.where(curve.open, np.nan, y)
     x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
     dash = curve.dash if curve.sort else entry.dash
@@ -533,6 +552,7 @@ def _curves(
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
     kinds = _kinds(dataset).broadcast_like(array)
+    logarithmic = points.is_logarithmic(settings, "y")
 
     def beside(line: points.Line, dim: str) -> np.ndarray:
         """The values of all starts at what a line holds fixed, shape (starts, points)."""
@@ -550,7 +570,7 @@ def _curves(
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
-        apart |= _changes_kind(y, kind)
+        apart |= _changes_kind(np.log10(np.where(y > 0.0, y, np.nan)) if logarithmic else y, kind)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)

@@ -220,7 +220,11 @@ def draw(
         for _, one in analyses:
             _refuse_other_analysis(one, figure)
     labels = {label for _, one in analyses for label in _starts(one)}
-    layers = [_layer(name, one, _shared(figure, one, labels), kind) for name, one in analyses]
+    chosen = [_with_own_select(figure, one, [own for _, own in analyses]) for _, one in analyses]
+    layers = [
+        _layer(name, one, _shared(own, one, labels), kind)
+        for own, (name, one) in zip(chosen, analyses, strict=True)
+    ]
     alone = [one for one in layers if kind.suits(one.dataset) or not kind.completed]
     if len(alone) > 1 and not kind.overlays:
         raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
@@ -247,7 +251,7 @@ def draw(
     with style.looks(axis, look, settings.get("words")):
         drawn = kind.draw(layers, settings)
         points.relabel(drawn, settings)
-        for ax in drawn.axes if settings.keys() & {"xlim", "ylim"} else ():
+        for ax in style.own_axes(drawn) if settings.keys() & {"xlim", "ylim"} else ():
             points.show_on_the_frame(ax)
         style.finish(drawn)
         return drawn
@@ -259,12 +263,27 @@ def _checked(figure: FigureSpec) -> Settings:
     return settings
 
 
+def _own(figure: FigureSpec, analyses: dict[str, xr.Dataset]) -> FigureSpec | None:
+    """The figure of that name, and kind, that the case of a file has."""
+    whose = figure.name, figure.kind
+    return next((one for one in figures_in(analyses) if (one.name, one.kind) == whose), None)
+
+
+def _with_own_select(
+    figure: FigureSpec, analyses: dict[str, xr.Dataset], every: Sequence[dict[str, xr.Dataset]]
+) -> FigureSpec:
+    """The figure of one of the files with what another selects for its own of that name."""
+    own, known = _own(figure, analyses), filter(None, (_own(figure, one) for one in every))
+    selection = figure.settings.get("select", {})
+    if own is None or selection not in [one.settings.get("select", {}) for one in known]:
+        return figure
+    selected = own.settings.get("select", {})
+    return replace(figure, settings={**figure.settings, "select": selected})
+
+
 def _with_own_take(figure: FigureSpec, analyses: dict[str, xr.Dataset]) -> FigureSpec:
     """The figure with what a file's own of that name takes: the same, but of axes of its own."""
-    named = (
-        one for one in figures_in(analyses) if (one.name, one.kind) == (figure.name, figure.kind)
-    )
-    own = next(named, figure).settings
+    own = (_own(figure, analyses) or figure).settings
     if own.get("take", {}).get("what") != figure.settings["take"]["what"]:
         return figure
     kept = {key: own[key] for key in ("take", "variable") if key in own}

@@ -95,12 +95,12 @@ def _panel(
     else:
         told = points.unlisted(one.label, name)
         _curve(ax, one, name, values, coarse, color=style.BLACK, label=told, rasterized=many)
-    for value in np.atleast_2d(values)[:, -1] if one.end else ():
-        told = points.unlisted(one.label, one.end)
-        ax.plot(one.time[-1], value, label=told, clip_on=False, **motion.END)
     ax.margins(x=0)
     style.level(ax)
     points.scale(ax, settings)
+    for value in np.atleast_2d(values)[:, -1] if one.end else ():
+        told = points.unlisted(one.label, one.end)
+        ax.plot(one.time[-1], value, label=told, clip_on=False, **motion.END)
 
 
 def _shade(state: str) -> dict[str, Any]:

@@ -78,22 +78,28 @@ class Motion:
         places = np.searchsorted(self.time, self.instants, "right")
         return np.repeat(places, 2), np.stack([before, after], axis=-1).reshape(-1)
 
-    def _met(self, values: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    def _met(
+        self, values: np.ndarray, before: np.ndarray, after: np.ndarray, fewest: int
+    ) -> np.ndarray:
         """One value at each instant: beyond the samples beside it as far as both sides lead.
 
-        The side on which less changes up to it, as in stick, knows it better; one that has no
-        sample before the next instant knows nothing.
+        The side on which less changes up to it, as in stick, knows it better; one of less than the
+        `fewest` samples knows nothing. Instants without a sample between them are one: the sides
+        are those of all.
         """
         last = np.searchsorted(self.time, self.instants, "right") - 1
+        first, final = np.searchsorted(last, last), np.searchsorted(last, last, "right") - 1
+        counts = np.diff(last, prepend=-1, append=self.time.size - 1)
+        few = counts[first] < fewest, counts[final + 1] < fewest
+        before, after = before[first], after[final]
         beside = np.sort([values[last], values[last + 1]], axis=0)
         least, greatest = np.sort([before, after], axis=0)
         low, high = np.minimum(beside[0], greatest), np.maximum(beside[1], least)
         off = np.abs(before - values[last]), np.abs(after - values[last + 1])
         share = off[0] / np.maximum(off[0] + off[1], np.finfo(float).tiny)  # of what is after it
-        own, number = np.searchsorted(self.instants, self.time), np.arange(self.instants.size)
-        share[own[last] != number] = 1.0
-        share[own[last + 1] != number + 1] = 0.0
-        return np.clip(before + share * (after - before), low, high)
+        share = np.where(few[0] == few[1], share, few[0])
+        met = np.clip(before + share * (after - before), low, high)
+        return np.where(few[0] & few[1], np.interp(self.instants, self.time, values), met)
 
     def drawn(self, name: str, values: np.ndarray) -> np.ndarray:
         """Values of a variable over `drawn_time`.
@@ -109,7 +115,8 @@ class Motion:
         )
         if self.data[name].attrs.get("units") not in JUMPING:
             impacts = [e.time for e in self.events if e.before == "separation" and rates is None]
-            met, jumps = self._met(values, before, after), np.isin(self.instants, impacts)
+            fewest, jumps = 1 + (rates is None), np.isin(self.instants, impacts)
+            met = self._met(values, before, after, fewest)
             before, after = np.where(jumps, before, met), np.where(jumps, after, met)
         else:  # friction has bounds: no value is drawn beyond those of samples
             bounds = np.nanmin(values), np.nanmax(values)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 
 suits = motion.suits
 WIDE = 0.3  # share of the extent of a curve on which a head is seen to lie along it
-# Bands under the line, whose colours are another contact's: of neither's contact states.
-OTHER_STICKS = ("#A6A6A6", style.YELLOW, style.SKY, style.VERMILLION)
+OTHER_STICKS = ("#777777", "#A6A6A6", style.YELLOW, style.SKY)  # contact by contact
 
 HEAD: dict[str, Any] = {
     # twice as long as wide: of three equal sides none would tell which way it points
@@ -47,7 +46,6 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     dataset, shared = datasets[0], bool(settings.get("overlay")) or len(layers) > 1
     motions = _named(layers, {**settings, "overlay": shared})
     names, *_ = [_states(one, settings) for one in datasets]  # which all must have
-    settings = motion.of_all_contacts(dataset, settings)
     marks = _marks(motions, shared, settings)
     figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(*datasets))
     for number, (one, mark) in enumerate(zip(motions, marks, strict=True)):
@@ -61,8 +59,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         motion.named_contact(dataset, settings),
     )
     others = [
-        Line2D([], [], label=motion.sticking(number), **_band(number, settings))
-        for number in motion.others_sticking(motions, settings)
+        Line2D([], [], label=motion.sticking(number), **_band(number))
+        for number in sorted({number for one in motions for number, *_ in _bands(one, settings)})
     ]
     others += [*motion.ends(motions), *motion.sampled(motions, names)]
     if any(np.isfinite(_held(one, names)) for one in motions):
@@ -193,9 +191,9 @@ def _panel(
         path.draw(ax, pieces, points.joined(one.label, state), **look)
     if not path.is_coarse:
         _point_onwards(ax, path.points)
-    for contact, begin, end in motion.other_sticks(one, settings):
+    for contact, begin, end in _bands(one, settings):
         stick = points.unlisted(one.label, motion.sticking(contact))
-        path.draw(ax, [path.between(begin, end)], stick, **_band(contact, settings))
+        path.draw(ax, [path.between(begin, end)], stick, **_band(contact))
     if mark.label:
         label = points.unlisted(one.label, mark.label)
         ax.plot(*path.points[0], marker=mark.marker, label=label, **MARK)
@@ -209,10 +207,14 @@ def _panel(
     points.scale(ax, settings)
 
 
-def _band(contact: int, settings: points.Settings) -> dict[str, Any]:
-    """What shows where one of the contacts sticks that the colours are not about."""
-    number = np.atleast_1d(settings["contact"]).tolist().index(contact) - 1
-    return {"color": OTHER_STICKS[number % len(OTHER_STICKS)], "lw": 4.0, "zorder": 1.8}
+def _bands(one: motion.Motion, settings: points.Settings) -> Iterator[tuple[int, float, float]]:
+    """(contact, begin, end in s) of each stick of a contact that the colours are not about."""
+    return motion.other_sticks(one, motion.of_all_contacts(one.data, settings))
+
+
+def _band(contact: int) -> dict[str, Any]:
+    """What shows that it sticks, under the line."""
+    return {"color": OTHER_STICKS[(contact - 1) % len(OTHER_STICKS)], "lw": 4.0, "zorder": 1.8}
 
 
 def _rest(ax: Axes, one: motion.Motion, names: tuple[str, str], mark: _Mark) -> None:

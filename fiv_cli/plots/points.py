@@ -169,7 +169,7 @@ def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
     spine = ax.xaxis if which == "x" else ax.yaxis
     spine.set_label_text(", ".join([labels.axis_label(axis), *_advancing_with(axis)]))
     if not select.is_numeric(axis):
-        words = [str(value) for value in axis.values]
+        words = [style.worded(str(value)) for value in axis.values]
         beside = style.letters(ax.figure.figure) // (2 + max(map(len, words)))
         room = beside if which == "x" else MOST_TICKS
         kept = np.arange(0, axis.size, -(-axis.size // max(1, room)))
@@ -276,14 +276,15 @@ def of_further_panels(settings: Settings) -> Settings:
 
 def relabel(figure: Figure, settings: Settings) -> None:
     """The labels that the figure asks for, in place of those that its first panels have."""
-    panels = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
+    own = style.own_axes(figure)
+    panels = [ax for ax in own if ax.get_label() != "<colorbar>"]
     for key in ("xlabel", "ylabel"):
         words = [getattr(ax, f"get_{key}")() for ax in panels]  # inner panels have none
         first = next(filter(None, words), "")
         for ax, word in zip(panels, words, strict=True):
             if key in settings and word and word == first:
                 ax.set(**{key: settings[key]})
-    bars = [ax for ax in figure.axes if ax.get_label() == "<colorbar>"]
+    bars = [ax for ax in own if ax.get_label() == "<colorbar>"]
     for key in ("zlabel", "zlim") if not bars else ():
         if key in settings:
             raise UsageError(f"{key}: this map has no colour bar\nnext: leave {key} out")

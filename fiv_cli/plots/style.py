@@ -15,7 +15,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import Collection, LineCollection, PathCollection
-from matplotlib.colors import to_hex
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.lines import Line2D
@@ -77,6 +77,7 @@ CLASSES = {
     "neutral": GREY,
 }
 
+PALE = 0.4  # of a colour
 PANEL = (6.4, 4.2)  # inches
 ROOMY = 60  # columns of dots across it that do not crowd
 DENSE = 2_000  # marks in a diagram
@@ -229,38 +230,12 @@ _GIVEN: ContextVar[Axes | None] = ContextVar("_GIVEN", default=None)
 _LOOK: ContextVar[Look] = ContextVar("_LOOK", default=SCREEN)
 
 
-@dataclass(frozen=True)
-class _Words:
-    """What stands in texts -> what to write in its place; and the texts that were written."""
-
-    own: Mapping[str, str] = field(default_factory=dict)
-    texts: dict[str, None] = field(default_factory=dict)
-
-    def write(self, text: str) -> str:
-        """The text in one's own words."""
-        if not self.own:
-            return text
-        self.texts[text] = None
-        spelt = {form: own for word, own in self.own.items() for form in self._spelt(word)}
-        return self._known(*spelt).sub(lambda match: spelt[match[0]], text)
-
-    def unsaid(self) -> list[str]:
-        """The words that stood in none."""
-        known = {word: self._known(*self._spelt(word)) for word in self.own}
-        return [word for word, one in known.items() if not any(map(one.search, self.texts))]
-
-    @staticmethod
-    def _spelt(word: str) -> tuple[str, str]:
-        """A word as it is written, and as a figure shows it: ``of v`` is ``of $v$``."""
-        return word, labels.with_symbols(word)
-
-    @staticmethod
-    def _known(*words: str) -> re.Pattern[str]:
-        longest_first = sorted(words, key=len, reverse=True)
-        return re.compile(rf"(?<!\w)(?:{'|'.join(map(re.escape, longest_first))})(?!\w)")
+_WORDS: ContextVar[Mapping[str, str] | None] = ContextVar("_WORDS", default=None)
+"""What stands in texts -> what to write in its place."""
 
 
-_WORDS: ContextVar[_Words] = ContextVar("_WORDS", default=_Words())  # noqa: B039 (it has none)
+_OTHERS: ContextVar[Sequence[Axes]] = ContextVar("_OTHERS", default=())
+"""The panels beside the one to draw on, which are of another figure of whoever gives it."""
 
 
 @contextmanager
@@ -272,7 +247,8 @@ def looks(
     What is drawn meanwhile is drawn on `axis`, if one is given, and written in `words` of its own.
     """
     look = look or SCREEN
-    given, looking, writing = _GIVEN.set(axis), _LOOK.set(look), _WORDS.set(_Words(words or {}))
+    given, looking, writing = _GIVEN.set(axis), _LOOK.set(look), _WORDS.set(words)
+    beside = _OTHERS.set([one for one in axis.figure.axes if one is not axis] if axis else ())
     try:
         with mpl.rc_context():
             mpl.rcdefaults()
@@ -282,21 +258,26 @@ def looks(
         _GIVEN.reset(given)
         _LOOK.reset(looking)
         _WORDS.reset(writing)
+        _OTHERS.reset(beside)
 
 
 def worded(text: str) -> str:
-    """A text in the words that the figure has in place of others."""
-    return _WORDS.get().write(text)
+    """A text in the words that the figure has in place of others, which are no part of formulas.
+
+    They are matched as they are written, or as a figure shows them: ``of v`` is ``of $v$``.
+    """
+    own = _WORDS.get()
+    if not own:
+        return text
+    spelt = {form: own[word] for word in own for form in (word, labels.with_symbols(word))}
+    longest = "|".join(re.escape(form) for form in sorted(spelt, key=len, reverse=True))
+    known = rf"(?<!\w)(?:{longest})(?!\w)|\$[^$]*\$"
+    return re.sub(known, lambda match: spelt.get(match[0], match[0]), text)
 
 
-def refuse_unsaid() -> None:
-    """UsageError where a figure has no text with a word for which there is another."""
-    words = _WORDS.get()
-    if unsaid := words.unsaid():
-        raise UsageError(
-            f"words: {', '.join(map(repr, unsaid))}: in no text of this figure\n"
-            f"there are: {'; '.join(filter(None, words.texts))}"
-        )
+def own_axes(figure: Figure) -> list[Axes]:
+    """The panels that are drawn, with their colour bars."""
+    return [ax for ax in figure.axes if ax not in _OTHERS.get()]
 
 
 def letters(figure: Figure) -> int:
@@ -522,17 +503,18 @@ def label_log(axis: Axis) -> None:
 
 def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
-    words = [
-        (worded(ax.get_title()), worded(ax.get_xlabel()), worded(ax.get_ylabel()))
-        for ax in figure.axes
-    ]
-    for text in itertools.chain.from_iterable(ax.texts for ax in figure.axes):
+    own = own_axes(figure)
+    told = [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in own]
+    words = [(worded(title), worded(xlabel), worded(ylabel)) for title, xlabel, ylabel in told]
+    for text in itertools.chain.from_iterable(ax.texts for ax in own):
         text.set_text(worded(text.get_text()))
     tame_texts(figure)
     if not _is_set(figure, words):
         raise _cramped(figure, words)
     thicken(figure)
-    refuse_unsaid()
+    for artist in itertools.chain.from_iterable([*ax.lines, *ax.collections] for ax in own):
+        name = str(artist.get_label()).removeprefix("_")  # which hides it from legends, not tables
+        artist.set_label(str(artist.get_label()).replace(name, worded(name)))
 
 
 def _is_set(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:
@@ -573,7 +555,7 @@ def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int
     """Fit title and labels of each panel; how many lines they have more, of `added` before."""
     for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
         figure.draw_without_rendering()  # panels have their places then
-        lines = [_fit(ax, *own) for ax, own in zip(figure.axes, words, strict=True)]
+        lines = [_fit(ax, *own) for ax, own in zip(own_axes(figure), words, strict=True)]
         make_room(figure, max(lines) - added)
         added = max(lines)
     return added
@@ -705,6 +687,12 @@ def _spread(count: int) -> float:
 def class_colours(names: Sequence[str]) -> list[str]:
     """A colour for each class: its own, or the next of the palette."""
     return [CLASSES.get(name, LINES[index % len(LINES)]) for index, name in enumerate(names)]
+
+
+def pale(colour: ColorType) -> str:
+    """What is not certain: a colour on white paper, through which nothing else is seen."""
+    red, green, blue = (1.0 - PALE * (1.0 - part) for part in to_rgb(colour))
+    return to_hex((red, green, blue))
 
 
 def dot_size(columns: int, width: float = PANEL[0]) -> float:

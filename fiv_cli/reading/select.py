@@ -32,6 +32,8 @@ _COMPARE: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     "==": operator.eq,
 }
 
+MOST_NAMED = 12  # labels of an axis that a message names
+
 
 class SelectionError(UsageError):
     """What is selected does not exist in the dataset."""
@@ -150,9 +152,9 @@ def _matching_label(labels: np.ndarray, wanted: str) -> np.ndarray:
 
 def _what_exists(axis: xr.DataArray, wanted: Any) -> str:
     if not is_numeric(axis) or axis.size <= 8:
-        return f"{axis.name}: " + ", ".join(
-            f"{value:g}" if is_numeric(axis) else str(value) for value in axis.values
-        )
+        values = [f"{value:g}" if is_numeric(axis) else str(value) for value in axis.values]
+        more = f", ... {values[-1]}" if len(values) > MOST_NAMED else ""
+        return f"{axis.name}: {', '.join(values[:MOST_NAMED])}{more}"
     span = f"{axis.name}: {axis.size} values from {axis.values.min():g} to {axis.values.max():g}"
     if condition(str(wanted)):
         return span

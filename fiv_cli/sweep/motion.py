@@ -385,13 +385,13 @@ class _Run:
             raise UsageError(
                 "--settled: a parameter varies in time\nnext: --t-end TIME, without it"
             )
-        settings = {spec.kind: {**spec.settings} for spec in reversed(case.analyses)}
+        settings = {spec.kind: spec.settings for spec in reversed(case.analyses)}
         if "cycle" in settings and "response" not in settings:
-            kind, named, settings["cycle"] = "cycle", "cycle_period", settings["cycle"] | NO_BRANCH
+            kind, named, other = "cycle", "cycle_period", NO_BRANCH
         else:
-            kind, named = "response", "period"
+            kind, named, other = "response", "period", {}
         own = settings.get(kind, get_analysis(kind).default_settings)
-        result = self.result(_continued(self.plan(kind, own)))
+        result = self.result(_continued(self.plan(kind, {**own, **other})))
         ((_, state),) = result.states.items()
         if state.carry is None:
             reason = REASONS[int(result.block.reason[0])].name
