@@ -2827,7 +2827,7 @@ def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
 
 
 def test_a_side_of_one_sample_tells_nothing_of_a_corner():
-    """Another contact's event lies just before: the slip up to the stick is known at one instant."""
+    """Another contact's event lies just before: the slip up to the stick has one sample."""
     time, values = np.arange(8.0), np.array([0.0, 0.05, 0.1, 0.13, 0.3, 0.3, 0.3, 0.3])
     events = (motion.Event(2.5, 2, "slip+", "stick"), motion.Event(3.7, 1, "slip+", "stick"))
     one = motion.Motion("", time, xr.Dataset(), events)
