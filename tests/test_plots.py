@@ -394,9 +394,24 @@ def test_a_line_is_seen_beneath_one_that_runs_upon_it_for_a_while():
         y_rms=(("Omega", "initial"), values + 1.0, {"units": "m"}),
     )
     _, ax = draw(two, figure("curve", variable=["L_s", "x_rms", "y_rms"])).axes
-    widths = {str(one.get_label()): one.get_linewidth() for one in ax.lines if len(one.get_xdata())}
-    of = {start: {w for name, w in widths.items() if start in name} for start in ("near", "far")}
-    assert min(of["near"]) == 2.0 * max(of["far"])
+    wide = [one for one in ax.lines if one.get_linewidth() == 2.4]
+    assert len(wide) == 2  # of both variables
+    for line in wide:
+        x, y = line.get_data()
+        assert np.isfinite(y).tolist() == (dataset["Omega"].values >= x[20]).tolist()
+
+
+def test_lines_of_all_starts_are_one_though_their_names_are_long():
+    labels = [f"from the {n} of all the many starts" for n in ("first", "second", "third")]
+    dataset = data.bifurcation().isel(initial=[0, 0, 0]).assign_coords(initial=labels)
+    drawn = draw(dataset[["status", "attractor", "L_s"]], figure("curve", variable="L_s"))
+    rows = list(csv.reader(as_csv(drawn, Path("a.csv")).splitlines()))[1:]
+    assert {row[4] for row in rows} == {*labels}
+    visible = [line for line in drawn.axes[0].lines if len(line.get_xdata()) and line.get_visible()]
+    assert len(visible) == 1
+    two = draw(dataset.isel(initial=[0, 1])[["status", "attractor", "L_s"]],
+               figure("curve", variable="L_s", select={"initial": labels[:2]}))  # fmt: skip
+    assert "both starts" in legend_texts(two.axes[0])
 
 
 @pytest.mark.parametrize("asked", [{"initial": "near"}, {"initial": "other"}])
@@ -1798,6 +1813,13 @@ def test_words_of_ones_own_are_in_tables_and_under_axes_of_names():
     assert {"from rest", "far"} <= {row[4] for row in rows}
     (ax,) = draw(data.bifurcation(), figure("curve", x="initial", words={"far": "away"})).axes
     assert [text.get_text() for text in ax.get_xticklabels()] == ["near", "away"]
+
+
+def test_a_contact_has_the_same_name_however_a_figure_writes_it():
+    with style.looks(words={"contact 1": "belt", "a": ""}):
+        told = style.worded("a, contact = 1, contact 10, contact 1 sticks, $a$, $\\dot{a}$")
+    assert told == r", belt, contact 10, belt sticks, , $\dot{a}$"
+    assert style.worded("a, contact 1") == "a, contact 1"
 
 
 def test_words_and_limits_are_for_the_panel_that_is_given():

@@ -46,7 +46,6 @@ SECTION_WORDS = {
     "impact": "an impact",
 }
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1)}
-SHARED = "both starts", "all starts"
 SAME = 1e-6  # relative distance of values of one motion
 ALIKE = 1e-3  # of heights that are the same in a figure
 
@@ -178,7 +177,7 @@ def _shared_apart(clouds: Sequence[_Cloud]) -> Iterator[_Cloud]:
         shared = _where_alike(family) if 1 < len(starts) == len(family) else np.zeros(0)
         yield from (_at(cloud, shared, without=True) for cloud in family)
         if shared.size:
-            yield replace(_at(family[0], shared), start=SHARED[len(starts) > 2])
+            yield replace(_at(family[0], shared), start=points.SHARED[len(starts) > 2])
 
 
 def _where_alike(clouds: Sequence[_Cloud]) -> np.ndarray:
@@ -309,7 +308,11 @@ def _mark_rests(
     rest, on_line = ((cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told))
     mark = _mark_of(cloud.start, entry.number, sorts, size)
     look = mark | {"color": entry.colour, "ls": "none"}
-    around = {"ms": 1.9 * size, "mfc": "none", "mew": 0.25 * size} if cloud.start in SHARED else {}
+    around = (
+        {"ms": 1.9 * size, "mfc": "none", "mew": 0.25 * size}
+        if cloud.start in points.SHARED
+        else {}
+    )
     at_rest = points.unlisted(entry.label, resting)
     ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest)
     ax.plot(*rest, label=DECORATION, **look | around)
@@ -318,7 +321,7 @@ def _mark_rests(
 
 def _mark_of(start: str, number: int, sorts: int, size: float) -> dict[str, Any]:
     """The mark of a start, or of what all of them lead to."""
-    if start in SHARED:
+    if start in points.SHARED:
         return {"marker": "D", "ms": size, "mew": 0.0}
     return style.mark_of(number, sorts, size)
 
@@ -327,7 +330,7 @@ def _entries(clouds: Sequence[_Cloud]) -> list[points.Entry]:
     """A sort of marks for each line; of families from several starts a colour for each family."""
     families = [*dict.fromkeys(cloud.family for cloud in clouds)]
     starts = [*dict.fromkeys(points.stem(cloud.start) for cloud in clouds)]
-    starts.sort(key=lambda start: start in SHARED)
+    starts.sort(key=lambda start: start in points.SHARED)
     if min(len(families), len(starts)) < 2 or "" in starts:
         return points.entries([cloud.label for cloud in clouds])
     colours = dict(zip(families, style.line_colours(len(families)), strict=True))

@@ -5,7 +5,7 @@ Variables of one unit share a panel.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise, product
 from typing import TYPE_CHECKING, Any
@@ -57,6 +57,7 @@ UNSURE = {
     "undecided points: nothing known": {"marker": "x", "ms": 5, "ls": "none"},
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
+MOST_COMPARED = 100  # lines that may lie on one another
 MOST_BENEATH = 2  # lines that are seen beneath another
 SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
@@ -186,8 +187,9 @@ def _lines(
 
 def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
     """The same (panel, line), with one in place of a few that would hide one another."""
-    if len(drawn) > points.MOST_ENTRIES_IN_COLUMN:
+    if len(drawn) > MOST_COMPARED:
         return [*drawn]
+    starts = {*filter(None, (one.words.get("initial") for _, one in drawn))}
     groups: list[list[tuple[int, _Curve]]] = []
     for place, one in drawn:
         alike = (own for own in groups if own[0][0] == place and one.hides(own[0][1]))
@@ -195,14 +197,24 @@ def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
             groups.append([(place, one)])
         else:
             group.append((place, one))
-    return [line for group in groups for line in _as_one(group)]
+    return [line for group in groups for line in _as_one(group, starts)]
 
 
-def _as_one(group: list[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
-    """Lines that hide one another as the first, which has the name of all, if there is one."""
+def _as_one(group: list[tuple[int, _Curve]], starts: Collection[str]) -> list[tuple[int, _Curve]]:
+    """Lines that hide one another as the first, which has the name of all, if there is one.
+
+    Those of all `starts` at one place have one.
+    """
     (place, first), names = group[0], tuple(one.label for _, one in group)
-    if not points.of_all(names) or len({(*one.words,) for _, one in group}) > 1:
+    if len({(*one.words,) for _, one in group}) > 1:
         return group
+    own = {one.words.get("initial") for _, one in group}
+    if not points.of_all(names):
+        is_one = len({one.without("initial") for _, one in group}) == 1 and len(group) == len(own)
+        if not is_one or own != starts or len(group) < 2 or first.is_random:
+            return group
+        words = {**first.words, "initial": points.SHARED[len(starts) > 2]}
+        return [(place, replace(first, words=words, names=names))]
     words = {
         dim: points.BOTH.join(dict.fromkeys(one.words[dim] for _, one in group))
         for dim in first.words
@@ -296,13 +308,13 @@ def _panel(
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
     crowd = max((np.isfinite(c.y).sum() for c, _ in lines if not c.of_crossings), default=0)
     for place, (curve, entry) in enumerate(lines):
-        wide = sum(_hides(other, (curve, entry)) for other in lines[place + 1 :])
+        upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
         most = 0 if curve.of_crossings else int(crowd)
         for named in _each_named(ax, curve, entry, most):
-            _plot(ax, curve, shift, named, apart, most, 1 + min(wide, MOST_BENEATH))
+            _plot(ax, curve, shift, named, apart, most, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
     for told, look in UNSURE.items():
         if any(str(drawn.get_label()).endswith(told) for drawn in (*ax.lines, *ax.collections)):
@@ -339,13 +351,14 @@ def _extent(curves: Sequence[_Curve], logarithmic: bool) -> float:
     return float(np.ptp(heights)) if heights.size else 0.0
 
 
-def _hides(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry]) -> bool:
-    """Whether a line runs upon another on some of their way, in another colour and as dashed."""
+def _upon(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry]) -> np.ndarray:
+    """At which points of a line another, of another colour and as dashed, runs upon it."""
     (one, entry), (other, beneath) = over, under
-    if one.sort or entry.dash != beneath.dash or not np.array_equal(one.x, other.x):
-        return False
-    met = np.isclose(one.y, other.y, rtol=UPON, atol=0.0)
-    return bool((met[1:] & met[:-1]).any() and entry.colour != beneath.colour)
+    alike = entry.dash == beneath.dash and entry.colour != beneath.colour and not one.sort
+    if not alike or not np.array_equal(one.x, other.x):
+        return np.zeros(other.x.size, int)
+    met = np.pad(np.isclose(one.y, other.y, rtol=UPON, atol=0.0), 1)
+    return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
 
 
 def _plot(
@@ -355,17 +368,21 @@ def _plot(
     entry: points.Entry,
     apart: bool,
     most: int,
-    wide: int,
+    upon: np.ndarray,
 ) -> None:
-    """One line, so many times as `wide` as others; none between points that stand `apart`."""
+    """One line, wider where others run `upon` it; none between points that stand `apart`."""
     y = np.where(curve.is_wide, np.nan, curve.y) + shift
-    look = {"color": entry.colour, "lw": wide * mpl.rcParams["lines.linewidth"], **curve.mark}
+    look = {"color": entry.colour, **curve.mark}
     known = np.where(curve.open, np.nan, y)
-    x, cut = (np.insert(values, curve.jumps, np.nan) for values in (curve.x, known))
+    hidden = np.where(upon > 0, known, np.nan)
+    x, cut, beneath = (np.insert(one, curve.jumps, np.nan) for one in (curve.x, known, hidden))
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
     if not apart:
         look |= _marked_where_seen(ax, cut, most) if curve.is_marked else {"marker": "None"}
+    if upon.any() and not apart:
+        wide = (1 + min(upon.max(), MOST_BENEATH)) * mpl.rcParams["lines.linewidth"]
+        ax.plot(x, beneath, ls=dash, lw=wide, color=entry.colour, label=DECORATION)
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)

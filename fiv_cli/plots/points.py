@@ -483,6 +483,7 @@ def dress(
 
 
 BOTH = " and "
+SHARED = "both starts", "all starts"
 MOST_LETTERS = 50  # of a name of several lines
 
 GAP_MARKS = {

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.typing import ColorType
 
 FREQUENCIES = {"Hz": ("f", "Hz"), "rad/s": (r"\omega", "rad/s")}  # symbol, unit
 STEADY, GROWING = "amplitude", "unstable_frequency"
@@ -154,8 +153,14 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         frequency, height = _shape(dataset.isel(line.index))
         width = 0.8 * (1 + (len(lines) - 1 - number) / len(lines))  # one is seen behind another
         x = frequency * factor_of(settings)
-        ax.plot(x, height, color=colour, label=line.label, lw=width, solid_capstyle="butt")
-        _name_fundamental(ax, dataset.isel(line.index), (x, height), colour, settings)
+        place, words = _fundamental(dataset.isel(line.index), (x, height), settings)
+        label = points.joined(line.label, words) if len(lines) > 1 else line.label
+        ax.plot(x, height, color=colour, label=label, lw=width, solid_capstyle="butt")
+        if words and len(lines) == 1:  # words of several would lie on one another
+            ax.annotate(
+                words, (x[place], height[place]), (0.0, 2.0), textcoords="offset points",
+                color=colour, fontsize=mpl.rcParams["legend.fontsize"], path_effects=levels.HALO,
+            )  # fmt: skip
     growing = np.unique(dataset[GROWING].values) if GROWING in dataset else np.zeros(0)
     for number, frequency in enumerate(growing[np.isfinite(growing)] * factor_of(settings)):
         label = points.unlisted("unstable eigenfrequency") if number else "unstable eigenfrequency"
@@ -166,23 +171,16 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     return figure
 
 
-def _name_fundamental(
-    ax: Axes,
-    one: xr.Dataset,
-    drawn: tuple[np.ndarray, np.ndarray],
-    colour: ColorType,
-    settings: points.Settings,
-) -> None:
-    """The frequency of a period, above its line if it has one."""
+def _fundamental(
+    one: xr.Dataset, drawn: tuple[np.ndarray, np.ndarray], settings: points.Settings
+) -> tuple[int, str]:
+    """Which point of a line stands for the frequency of a period, and this; "" where none does."""
     basic = factor_of(settings) / one["period"].item() if "period" in one else np.nan
     known = np.isnan(drawn[1]).any()  # else no harmonic stands where it is
     for place in np.flatnonzero(np.isclose(drawn[0], basic) & (drawn[1] > 0.0) & known)[:1]:
         symbol, unit = FREQUENCIES[settings.get("unit") or "Hz"]
-        words = f"${symbol}_1$ = {labels.number_text(float(f'{basic:.4g}'))} {unit}"
-        ax.annotate(
-            words, (drawn[0][place], drawn[1][place]), (0.0, 2.0), textcoords="offset points",
-            color=colour, fontsize=mpl.rcParams["legend.fontsize"], path_effects=levels.HALO,
-        )  # fmt: skip
+        return int(place), f"${symbol}_1$ = {labels.number_text(float(f'{basic:.4g}'))} {unit}"
+    return 0, ""
 
 
 def _shape(motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:

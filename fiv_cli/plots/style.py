@@ -264,12 +264,17 @@ def looks(
 def worded(text: str) -> str:
     """A text in the words that the figure has in place of others, which are no part of formulas.
 
-    They are matched as they are written, or as a figure shows them: ``of v`` is ``of $v$``.
+    They are matched as they are written, or as a figure shows them: ``of v`` is ``of $v$``, and
+    ``contact 1`` may be ``contact = 1``.
     """
     own = _WORDS.get()
     if not own:
         return text
-    spelt = {form: own[word] for word in own for form in (word, labels.with_symbols(word))}
+    spelt = {
+        form: own[word]
+        for word in own
+        for form in (word, labels.with_symbols(word), re.sub(r"(?<=[a-z]) (?=\d+$)", " = ", word))
+    }
     longest = "|".join(re.escape(form) for form in sorted(spelt, key=len, reverse=True))
     known = rf"(?<!\w)(?:{longest})(?!\w)|\$[^$]*\$"
     return re.sub(known, lambda match: spelt.get(match[0], match[0]), text)
@@ -311,23 +316,24 @@ def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> 
         if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
             break
         legend.remove()
-        columns -= 1
+        columns = even_columns(len(words), columns - 1)
     rows = [sum(1 + word.count("\n") for word in part) for part in _parted(words, columns)]
     make_room(figure, len(heading.splitlines()) + max(rows, default=0))
 
 
 def columns_of(words: Sequence[str], room: int) -> int:
-    """How many columns of a legend stand side by side: each is as wide as its longest entry.
+    """How many columns of a legend stand side by side: each is as wide as its longest entry."""
+    for most in range(len(words), 1, -1):
+        columns = even_columns(len(words), most)
+        if sum(KEY_LETTERS + longest(part) for part in _parted(words, columns)) <= room:
+            return columns
+    return 1
 
-    No more than are needed for as few rows: none of these has a single entry then.
-    """
 
-    def has_room(columns: int) -> bool:
-        return sum(KEY_LETTERS + longest(part) for part in _parted(words, columns)) <= room
-
-    most = next(filter(has_room, range(len(words), 1, -1)), 1)
-    even = -(-len(words) // -(-len(words) // most)) if words else 1
-    return even if has_room(even) else most
+def even_columns(count: int, most: int) -> int:
+    """As few columns as make no more rows of a legend: none of these has a single entry then."""
+    rows = -(-count // most)
+    return -(-count // rows)
 
 
 def _parted(words: Sequence[str], columns: int) -> list[list[str]]:
