@@ -1146,7 +1146,7 @@ def test_several_variables_of_a_curve_are_named_in_its_legend():
     dataset = data.bifurcation().isel(initial=[0])
     dataset["x_rms"] = (("Omega", "initial"), np.ones((46, 1)), {"units": "rad2"})
     (ax,) = draw(dataset, figure("curve", variable=["L_s", "x_rms"])).axes
-    assert legend_texts(ax)[:2] == ["$L_s$ (rad$^{2}$)", r"$x_{\mathrm{rms}}$ (rad$^{2}$)"]
+    assert legend_texts(ax)[:2] == ["$L_s$", r"$x_{\mathrm{rms}}$"]  # units stand at axes
     assert ax.get_ylabel() == r"$L_s$, $x_{\mathrm{rms}}$ (rad$^{2}$)"
     dataset["x_rms"].attrs["units"] = "rad"  # each unit has a panel, the first the limits
     wanted = {"variable": ["L_s", "x_rms"], "ylim": (0.0, 1.5), "ylabel": "mine"}
@@ -1297,12 +1297,12 @@ def test_a_curve_shows_variables_of_several_analyses():
     motion["status"][2, 1], motion["L_s"][2, 1] = data.STATUS.index("failed"), np.nan
     asked = figure("curve", variable=["critical_value", "L_s"], select={"initial": "far"})
     (ax,) = draw({"critical": critical, "motion": motion}, asked).axes
-    names, told = ["critical value of $A_{b}$ (N)", "half range $L_s$ (N)"], "failed: half range"
-    assert legend_texts(ax) == [*names, f"{told} $L_s$ (N)"]
+    names, told = ["critical value of $A_{b}$", "half range $L_s$"], "failed: half range"
+    assert legend_texts(ax) == [*names, f"{told} $L_s$"]
     np.testing.assert_array_equal(marks(ax, names[0])[:, 1], critical["critical_value"][:, 0])
     np.testing.assert_array_equal(marks(ax, names[1])[:, 1], motion["L_s"][:, 1])
     colours = looks_of(ax, "color")
-    assert colours[f"{told} $L_s$ (N)"] == colours[names[1]] != colours[names[0]]
+    assert colours[f"{told} $L_s$"] == colours[names[1]] != colours[names[0]]
     with pytest.raises(UsageError, match="initial: no axis"):
         wanted = figure("curve", x="initial", variable=["L_s", "critical_value"])
         draw({"critical": critical, "motion": motion}, wanted)

@@ -154,7 +154,7 @@ def _with_gaps(along: Mapping[str, Sequence[points.Layer]]) -> list[points.Layer
     found = {}
     for name, own in along.items():
         for one in own:
-            words = labels.axis_label(one.dataset[name]) if several else ""
+            words = labels.name_of(one.dataset[name]) if several else ""
             found[id(one.dataset), words] = replace(one, label=points.joined(words, one.label))
     return [*found.values()]
 
@@ -562,7 +562,7 @@ def _curves(
             f"{name}: not one value per point along {axis.name}\n"
             f"it varies along: {', '.join(map(str, array.dims)) or 'nothing'}"
         )
-    x, words = points.positions(axis), labels.axis_label(dataset[name]) if named else ""
+    x, words = points.positions(axis), labels.name_of(dataset[name]) if named else ""
     if "crossing" in array.dims and _sorting(dataset):
         return _by_sort(layer, array, words, x, dim, sorts)
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)

@@ -56,6 +56,12 @@ def axis_label(variable: xr.DataArray, name: str = "") -> str:
     return f"{words} ({unit})" if unit else words
 
 
+def name_of(variable: xr.DataArray) -> str:
+    r"""What stands at an axis without the unit, which stands there: ``greatest $x$``."""
+    unit = unit_text(str(variable.attrs.get("units", "1")))
+    return axis_label(variable).removesuffix(f" ({unit})")
+
+
 def with_symbols(words: str) -> str:
     """Names of states and parameters among the words as symbols: ``x1 at the section``.
 

@@ -31,7 +31,7 @@ FEW_STEPS = 100_000
 PARTS = (1e-3, 1e-2, 1e-1)
 """Shares of the time of its motions, likewise, ..."""
 
-WAITING = 4.0
+WAITING = 20.0
 """Times the limit, which is processor time, for which others may keep a task waiting."""
 
 TELLING = 0.1
