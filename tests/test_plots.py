@@ -2487,6 +2487,11 @@ def test_motions_of_further_files_lie_over_each_file_of_basins(tmp_path):
     for name in ("a", "b"):
         (rows,) = (path.read_text().splitlines() for path in tmp_path.glob(f"c-{name}-*.csv"))
         assert sum("motion: " in row for row in rows) > 800
+    named = ["--label", "cycle", "--label", "basins", "--label", "others"]
+    told = CliRunner().invoke(
+        plot_command, [*paths, "--figure", "basin", "-o", str(tmp_path / "c.csv"), *named]
+    )
+    assert told.exit_code == 0 and "--label" not in told.stderr  # of basins a title tells
 
 
 def test_a_file_that_gives_nothing_to_figures_is_told(tmp_path):

@@ -28,9 +28,7 @@ if TYPE_CHECKING:
 LINES_ALONE = (
     "the lines on the map alone; the map itself: fiv show FILE.nc --csv VARIABLE -o FILE.csv"
 )
-OWN_NAMES = (
-    "; lines drawn over those of another file have names of their own, and basins a title (--title)"
-)
+OWN_NAMES = "; lines drawn over those of another file have names of their own"
 SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
 
 
@@ -253,7 +251,7 @@ def _of_files(
     for default, sources, figure in _asked(files, names, called):
         try:
             drawn.append((default, _drawn(sources, figure, look)))
-            for name in _unsaid(drawn[-1][1], called if len(sources) > 1 else ()):
+            for name in _unsaid(drawn[-1][1], _names_in(sources, figure)):
                 click.echo(f"--label {name}: not in the figure {figure.name}{OWN_NAMES}", err=True)
             if unsaid := _without_place(drawn[-1][1], figure.settings.get("words", {})):
                 told = f"figure {figure.name}: words: {', '.join(map(repr, unsaid))}"
@@ -272,6 +270,15 @@ def _of_files(
         if one not in undrawn:
             click.echo(one, err=True)
     return drawn
+
+
+def _names_in(sources: Sources, figure: FigureSpec) -> list[str]:
+    """The names of files that a figure of several should have; that of one under others none."""
+    from fiv_cli.plots.drawing import KINDS
+
+    under = 0 if KINDS[figure.kind].overlays else 1
+    named = sources[under:] if len(sources) > 1 else []
+    return [name for _, one in named if (name := next(iter(one.values())).attrs.get("called"))]
 
 
 def _without_place(figure: Figure, words: Mapping[str, str]) -> list[str]:
