@@ -276,6 +276,10 @@ def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
         (own,) = (line[np.isclose(line[:, 0], 5.0)] for line in drawn if 5.0 in line[:, 0])
         steady = found["response"][name].sel(mu_k=5.0).squeeze()
         assert own[0, 1] == pytest.approx(float(steady), rel=1e-6)
+        orders: dict[bool, set[float]] = {True: set(), False: set()}
+        for line in [line for line in ax.lines if len(line.get_xdata()) > 1]:
+            orders[" cycle" in str(line.get_label())].add(line.get_zorder())
+        assert max(orders[True]) < min(orders[False])  # which start leads there is seen
 
 
 def test_a_dataset_at_one_place_of_the_abscissa_is_drawn_there() -> None:

@@ -370,9 +370,12 @@ def _plot(
     most: int,
     upon: np.ndarray,
 ) -> None:
-    """One line, wider where others run `upon` it; none between points that stand `apart`."""
+    """One line, wider where others run `upon` it; none between points that stand `apart`.
+
+    What starts lead to lies over the branches that tell of it.
+    """
     y = np.where(curve.is_wide, np.nan, curve.y) + shift
-    look = {"color": entry.colour, **curve.mark}
+    look = {"color": entry.colour, "zorder": 1.9 if curve.sort else 2.0, **curve.mark}
     known = np.where(curve.open, np.nan, y)
     hidden = np.where(upon > 0, known, np.nan)
     x, cut, beneath = (np.insert(one, curve.jumps, np.nan) for one in (curve.x, known, hidden))
