@@ -410,8 +410,9 @@ def test_history_of_a_motion_that_ends_early_says_why_and_where(
         '[[analysis]]\nkind = "response"\n'
     )
     assert fiv(["history", "pin.toml", "--at", at, "--t-end", "1", "-o", "pin.nc"]) == 0
-    *_, why, end = capsys.readouterr().err.splitlines()
+    *_, why, end, more = capsys.readouterr().err.splitlines()
     assert why.startswith("contact_lost: ") and "normal force" in why
+    assert more.startswith("it ended before 0.0") and ": --t-end 0.0" in more
     when, state = end.split(": ", 1)
     assert 0.05 < float(when.split()[3]) < 0.2
     assert all(map(isfinite, tomllib.loads(state)["state"].values()))

@@ -68,6 +68,18 @@ def drawn_of_motions(case: Case) -> list[str]:
     return [figure.name for figure in case.figures if figure.kind in ("history", "phase")]
 
 
+def numbers_of_refined(case: Case) -> list[tuple[str, str]]:
+    """(figure, variable) of each map of a number that points which are filled in do not have."""
+    refined = case.refinement
+    if refined is None:
+        return []
+    held = ([v.name for v in _variables(case, spec, True) or ()] for spec in case.analyses)
+    numbers = {name for own in held if refined.of in own for name in own} - {refined.of}
+    maps = [figure for figure in case.figures if figure.kind == "map"]
+    drawn = [(figure.name, str(figure.settings.get("variable", ""))) for figure in maps]
+    return [(figure, variable) for figure, variable in drawn if variable in numbers]
+
+
 def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, report: Report) -> None:
     """Note what no analysis gives that a figure shows."""
     _check_scale(figure, place, report)

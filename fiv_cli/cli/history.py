@@ -126,6 +126,9 @@ def _end(motion: xr.Dataset, case: Case) -> str:
 
     names = state_units(get_model(case.model), case.options)
     known = np.isfinite(motion[sampling.displacements(motion)[0]].values.ravel())
-    last = motion.isel(time=known.nonzero()[0][-1])  # it may have ended before its time
+    *_, place = known.nonzero()[0]
+    last, after = motion.isel(time=place), motion["time"].values[place + 1 : place + 2]
     state = ", ".join(f"{name} = {last[name].item()!r}" for name in names if name in motion)
-    return f"at t = {last['time'].item():.12g} s: state = {{ {state} }}"
+    more = "\nit ended before {0:.12g} s, the next sample: --t-end {0:.12g} has more"
+    told = f"at t = {last['time'].item():.12g} s: state = {{ {state} }}"
+    return "".join([told, *map(more.format, after)])

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Points, Request, Start, Varied, requirements
-from fiv_cli.case.asked import drawn_of_motions
+from fiv_cli.case.asked import drawn_of_motions, numbers_of_refined
 from fiv_cli.case.case import SEVERAL, AnalysisSpec, Axis, Case
 from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.physics import is_ambiguous
@@ -301,6 +301,11 @@ class Plan:
             f"  figure {name}: of a motion, which no analysis here keeps: fiv history computes one "
             "(--at PLACE -o FILE.nc), fiv plot FILE.nc draws it"
             for name in drawn_of_motions(case)
+        ]
+        lines += [
+            f"  figure {name}: {variable} is known where points are run alone: [sweep] refine "
+            "fills in the class of the others; --set 'sweep={}' -o ANOTHER.nc runs all"
+            for name, variable in numbers_of_refined(case)
         ]
         guessed = self.size >= MANY and not is_estimated
         return [*head, *lines, *([_cost_of(self.size)] if guessed else [])]
