@@ -47,7 +47,7 @@ from fiv_cli.plots.bifurcation import FINEST
 from fiv_cli.plots.branch import stretches
 from fiv_cli.plots.critical_lines import _is_inside
 from fiv_cli.plots.curve import _narrowed
-from fiv_cli.plots.drawn import as_csv, in_one_line
+from fiv_cli.plots.drawn import DECORATION, as_csv, in_one_line
 from fiv_cli.plots.law import force
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
@@ -376,9 +376,11 @@ def test_crowds_of_several_starts_are_seen_through_one_another():
     dataset = data.response(classes, np.ones((3, 2)), coords, rows=rows)
     (ax,) = draw(dataset, figure("bifurcation")).axes
     drawn = [line for line in ax.lines if len(line.get_xdata())]
-    turns = [str(line.get_label()) for line in drawn]
-    assert turns == ["_near", "_far"] * 4
-    assert sum(len(line.get_xdata()) for line in drawn) == 3 * 2 * 40
+    told = [str(line.get_label()) for line in drawn]
+    assert told == ["_near", "_far", *[DECORATION] * 6]  # a table has each once
+    colours = [to_hex(line.get_color()) for line in drawn]
+    assert colours == [colours[0], colours[1]] * 4 and colours[0] != colours[1]
+    assert [len(line.get_xdata()) for line in drawn] == [120, 120, *[30] * 6]
     keys = {str(line.get_label()): line for line in ax.lines if not len(line.get_xdata())}
     assert {keys[name].get_marker() for name in ("near", "far")} == {"."}
 
@@ -1220,7 +1222,7 @@ def test_a_legend_stands_where_nothing_is_drawn_or_below(heights, inside, style)
 @pytest.mark.parametrize("width", [84.0, 160.0])
 def test_a_legend_of_long_names_stays_on_the_page(width):
     names = [f"{word} of a start with a name of many words that no line holds" for word in "ab"]
-    dataset = crossing_lines(**dict.fromkeys(names, (0.0, 1.0)))
+    dataset = crossing_lines(**dict(zip(names, ((0.0, 1.0), (0.0, 2.0)), strict=True)))
     drawn = draw(dataset, figure("curve", variable="L_s"), look=look_of("paper", width=width))
     drawn.canvas.draw()
     (legend,) = drawn.legends or [drawn.axes[0].get_legend()]
@@ -1833,11 +1835,12 @@ def test_words_and_limits_are_for_the_panel_that_is_given():
 
 
 def test_words_that_a_figure_does_not_have_are_told_with_those_that_it_has(tmp_path):
-    asked = FigureSpec("d", "bifurcation", {"words": {"belt": "roller", "near": "close"}})
+    words = {"belt": "disc", "ear": "", "near": "close"}  # "disc" is there by itself
+    asked = FigureSpec("d", "bifurcation", {"words": words})
     data.bifurcation().assign_attrs(data.attributes(asked)).to_netcdf(tmp_path / "a.nc")
     told = CliRunner().invoke(plot_command, [str(tmp_path / "a.nc"), "-o", str(tmp_path / "a.png")])
     assert told.exit_code == 0
-    assert "words: 'belt': in no legend and at no axis; there: close; far" in told.stderr
+    assert "words: 'belt', 'ear': in no legend and at no axis; there: close; far" in told.stderr
 
 
 @pytest.mark.parametrize("log", [False, "z"])
@@ -2864,6 +2867,14 @@ def test_a_side_of_one_sample_tells_nothing_of_a_corner():
     twice = motion.Motion("", time, xr.Dataset(), (events[1], again))  # no sample between
     sides = [sampling.led_to(twice.instants, time, values, side) for side in (-1, 1)]
     assert twice._met(values, *sides, 2) == pytest.approx([0.3, 0.3])
+    line = motion.Motion(
+        "",
+        time,
+        xr.Dataset(),
+        (motion.Event(2.1, 1, "slip+", "stick"), motion.Event(2.9, 2, "slip+", "stick")),
+    )
+    sides = [sampling.led_to(line.instants, time, time, side) for side in (-1, 1)]
+    assert line._met(time, *sides, 2) == pytest.approx([2.1, 2.9])
 
 
 @pytest.mark.parametrize("kind", ["history", "phase"])

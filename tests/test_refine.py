@@ -228,10 +228,10 @@ def test_the_plan_says_what_is_run() -> None:
 def test_the_plan_says_which_maps_have_numbers_of_what_is_run_alone() -> None:
     maps_ = "".join(f'[[figure]]\nname = "{v}"\nkind = "map"\nvariable = "{v}"\n'
                     for v in ("attractor", "L_s"))  # fmt: skip
-    for text, told in ((sweep_fakes.REFINED, ["figure L_s: L_s is known where"]), (FULL, [])):
+    for text, told in ((sweep_fakes.REFINED, ["figure L_s: L_s is known only"]), (FULL, [])):
         plan = make_plan(sweep_fakes.case(text + maps_))
-        said = [line.strip() for line in plan.describe() if "is known where" in line]
-        assert [line[: len("figure L_s: L_s is known where")] for line in said] == told
+        said = [line.strip() for line in plan.describe() if "is known only where" in line]
+        assert [line[: len("figure L_s: L_s is known only")] for line in said] == told
 
 
 def test_progress_grows_with_what_is_asked_for(tmp_path: Path) -> None:

@@ -383,9 +383,11 @@ class ParameterName(Setting):
             own = f"of {without[0].name}: {listed([p.name for p in without[0].parameters])}"
             advice = "what varies must be a parameter of every law of the case, or of the model"
             yield Refusal(message, own, advice, of_name=True)
-        elif value.name.removeprefix("initial.") in known.units_of_states():
+        elif (state := value.name.removeprefix("initial.")) in {*known.units_of_states()} - {
+            *table
+        }:
             message = f"{value.name!r} is a component of the start, which only axes vary"
-            axis = f'[grid] "{value.name}" = {{ start = 0.0, stop = 1.0, num = 33 }}'
+            axis = f'[grid] "initial.{state}" = {{ start = 0.0, stop = 1.0, num = 33 }}'
             advice = f"make it an axis of a `response`: {axis}, finer where the answer changes with"
             refine = '[sweep] refine = { levels = 5, of = "attractor" }'
             yield Refusal(message, listed([*table]), f"{advice} {refine}", of_name=True)

@@ -73,11 +73,17 @@ def numbers_of_refined(case: Case) -> list[tuple[str, str]]:
     refined = case.refinement
     if refined is None:
         return []
-    held = ([v.name for v in _variables(case, spec, True) or ()] for spec in case.analyses)
-    numbers = {name for own in held if refined.of in own for name in own} - {refined.of}
-    maps = [figure for figure in case.figures if figure.kind == "map"]
-    drawn = [(figure.name, str(figure.settings.get("variable", ""))) for figure in maps]
-    return [(figure, variable) for figure, variable in drawn if variable in numbers]
+    held = {spec.name: _variables(case, spec, True) or () for spec in case.analyses}
+    filled_in = {name: own for name, own in held.items() if refined.of in [v.name for v in own]}
+    return [
+        (figure.name, variable.name)
+        for figure in case.figures
+        for name, own in filled_in.items()
+        for variable in own
+        if (figure.kind, variable.name) == ("map", figure.settings.get("variable"))
+        and not variable.is_class
+        and figure.settings.get("analysis", name) == name
+    ]
 
 
 def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, report: Report) -> None:

@@ -129,6 +129,6 @@ def _end(motion: xr.Dataset, case: Case) -> str:
     *_, place = known.nonzero()[0]
     last, after = motion.isel(time=place), motion["time"].values[place + 1 : place + 2]
     state = ", ".join(f"{name} = {last[name].item()!r}" for name in names if name in motion)
-    more = "\nit ended before {0:.12g} s, the next sample: --t-end {0:.12g} has more"
+    more = "\nit ended before {0:.12g} s, the next sample: --t-end {0:.12g}, no --sample, has more"
     told = f"at t = {last['time'].item():.12g} s: state = {{ {state} }}"
     return "".join([told, *map(more.format, after)])

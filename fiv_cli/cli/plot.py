@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from string import ascii_letters
@@ -245,6 +245,7 @@ def _of_files(
     UsageError : there is none at all
     """
     from fiv_cli.plots import nothing_suits
+    from fiv_cli.plots.style import unsaid as words_without_place
     from fiv_cli.reading.datasets import read_analyses
 
     drawn, left_out = [], []
@@ -253,7 +254,7 @@ def _of_files(
             drawn.append((default, _drawn(sources, figure, look)))
             for name in _unsaid(drawn[-1][1], _names_in(sources, figure)):
                 click.echo(f"--label {name}: not in the figure {figure.name}{OWN_NAMES}", err=True)
-            if unsaid := _without_place(drawn[-1][1], figure.settings.get("words", {})):
+            if unsaid := words_without_place(drawn[-1][1]):
                 told = f"figure {figure.name}: words: {', '.join(map(repr, unsaid))}"
                 said = "; ".join(_said(drawn[-1][1]))
                 click.echo(f"{told}: in no legend and at no axis; there: {said}", err=True)
@@ -279,12 +280,6 @@ def _names_in(sources: Sources, figure: FigureSpec) -> list[str]:
     under = 0 if KINDS[figure.kind].overlays else 1
     named = sources[under:] if len(sources) > 1 else []
     return [name for _, one in named if (name := next(iter(one.values())).attrs.get("called"))]
-
-
-def _without_place(figure: Figure, words: Mapping[str, str]) -> list[str]:
-    """The words in whose place others were to be written, and nothing was."""
-    unsaid = _unsaid(figure, [*words.values()])
-    return [word for word, own in words.items() if own in unsaid]
 
 
 def _said(figure: Figure) -> list[str]:

@@ -287,17 +287,18 @@ def _mark_crowds(
     many: bool,
     turn: int,
 ) -> None:
-    """Of the values that crowd those of one of `TURNS`, in which clouds are seen through others."""
+    """The values that crowd and then, in `TURNS`, parts of them again: one cloud is seen through
+    another."""
     seen = 1.0 + SEEN_BEHIND * (sorts - 1 - entry.number) / sorts
     fine = seen * max(FINEST, FINER * style.finer(int(cloud.crowded.sum())) * size)
     look = style.mark_of(0, 1, fine) | {"ls": "none", "rasterized": many}
-    of_turn = cloud.crowded & (np.cumsum(cloud.crowded) % TURNS == turn)
+    of_turn = cloud.crowded & ((turn == 0) | (np.cumsum(cloud.crowded) % TURNS == turn))
     for part, colour, told in (
         (of_turn & ~cloud.undecided, entry.colour, ""),
         (of_turn & cloud.undecided, style.pale(entry.colour), UNSETTLED),
     ):
         if part.any():
-            label = points.unlisted(entry.label, told)
+            label = DECORATION if turn else points.unlisted(entry.label, told)
             ax.plot(cloud.x[part], cloud.y[part], color=colour, label=label, **look)
 
 

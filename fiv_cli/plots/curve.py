@@ -211,7 +211,8 @@ def _as_one(group: list[tuple[int, _Curve]], starts: Collection[str]) -> list[tu
     own = {one.words.get("initial") for _, one in group}
     if not points.of_all(names):
         is_one = len({one.without("initial") for _, one in group}) == 1 and len(group) == len(own)
-        if not is_one or own != starts or len(group) < 2 or first.is_random:
+        is_random = any(one.is_random for _, one in group)
+        if not is_one or own != starts or len(group) < 2 or is_random:
             return group
         words = {**first.words, "initial": points.SHARED[len(starts) > 2]}
         return [(place, replace(first, words=words, names=names))]
@@ -357,7 +358,7 @@ def _upon(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry])
     alike = entry.dash == beneath.dash and entry.colour != beneath.colour and not one.sort
     if not alike or not np.array_equal(one.x, other.x):
         return np.zeros(other.x.size, int)
-    met = np.pad(np.isclose(one.y, other.y, rtol=UPON, atol=0.0), 1)
+    met = np.pad(np.isclose(one.y, other.y, rtol=UPON, atol=0.0) & ~one.open & ~one.is_wide, 1)
     return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
 
 

@@ -28,6 +28,7 @@ CONTACT_STATES = {
     "stick": "stick",
     "separation": "separation",
 }
+STICKING = 1e-6  # of what changes on the other side of an event: where less does
 END: dict[str, Any] = {"marker": "X", "ms": 6.0, "color": "black", "mew": 0.0, "ls": "none"}
 # Forces and powers jump where a contact changes; all else does so at an impact only.
 JUMPING = ("N", "W")
@@ -84,8 +85,8 @@ class Motion:
         """One value at each instant: beyond the samples beside it as far as both sides lead.
 
         The side on which less changes up to it, as in stick, knows it better; one of less than the
-        `fewest` samples knows nothing. Instants without a sample between them are one: the sides
-        are those of all.
+        `fewest` samples knows nothing. The sides of instants without a sample between them are
+        those of all, and a line leads from one to the other where none sticks.
         """
         last = np.searchsorted(self.time, self.instants, "right") - 1
         first, final = np.searchsorted(last, last), np.searchsorted(last, last, "right") - 1
@@ -98,6 +99,10 @@ class Motion:
         off = np.abs(before - values[last]), np.abs(after - values[last + 1])
         share = off[0] / np.maximum(off[0] + off[1], np.finfo(float).tiny)  # of what is after it
         share = np.where(few[0] == few[1], share, few[0])
+        begin, end = self.instants[first], self.instants[final]
+        line = (self.instants - begin) / np.where(begin < end, end - begin, 1.0)
+        moving = np.minimum(*off) > STICKING * np.maximum(*off)  # on both sides
+        share = np.where((begin < end) & moving & ~few[0] & ~few[1], line, share)
         met = np.clip(before + share * (after - before), low, high)
         return np.where(few[0] & few[1], np.interp(self.instants, self.time, values), met)
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import matplotlib as mpl
 import numpy as np
@@ -233,6 +234,11 @@ _LOOK: ContextVar[Look] = ContextVar("_LOOK", default=SCREEN)
 _WORDS: ContextVar[Mapping[str, str] | None] = ContextVar("_WORDS", default=None)
 """What stands in texts -> what to write in its place."""
 
+_MET: ContextVar[set[str] | None] = ContextVar("_MET", default=None)
+"""What of it stood in some."""
+
+_UNSAID: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+
 
 _OTHERS: ContextVar[Sequence[Axes]] = ContextVar("_OTHERS", default=())
 """The panels beside the one to draw on, which are of another figure of whoever gives it."""
@@ -248,7 +254,9 @@ def looks(
     """
     look = look or SCREEN
     given, looking, writing = _GIVEN.set(axis), _LOOK.set(look), _WORDS.set(words)
-    beside = _OTHERS.set([one for one in axis.figure.axes if one is not axis] if axis else ())
+    met = _MET.set(set())
+    root = axis.figure.figure if axis else None
+    beside = _OTHERS.set([one for one in root.axes if one is not axis] if root else ())
     try:
         with mpl.rc_context():
             mpl.rcdefaults()
@@ -258,6 +266,7 @@ def looks(
         _GIVEN.reset(given)
         _LOOK.reset(looking)
         _WORDS.reset(writing)
+        _MET.reset(met)
         _OTHERS.reset(beside)
 
 
@@ -267,17 +276,23 @@ def worded(text: str) -> str:
     They are matched as they are written, or as a figure shows them: ``of v`` is ``of $v$``, and
     ``contact 1`` may be ``contact = 1``.
     """
-    own = _WORDS.get()
-    if not own:
+    own, met = _WORDS.get(), _MET.get()
+    if not own or met is None:
         return text
     spelt = {
-        form: own[word]
+        form: word
         for word in own
         for form in (word, labels.with_symbols(word), re.sub(r"(?<=[a-z]) (?=\d+$)", " = ", word))
     }
     longest = "|".join(re.escape(form) for form in sorted(spelt, key=len, reverse=True))
-    known = rf"(?<!\w)(?:{longest})(?!\w)|\$[^$]*\$"
-    return re.sub(known, lambda match: spelt.get(match[0], match[0]), text)
+    known = rf"(?<!\w)(?:{longest})(?!\w|\.\d)|\$[^$]*\$"
+    met.update(spelt[one] for one in re.findall(known, text) if one in spelt)
+    return re.sub(known, lambda match: own.get(spelt.get(match[0], ""), match[0]), text)
+
+
+def unsaid(figure: Figure) -> list[str]:
+    """The words of one's own that a figure has no place for."""
+    return _UNSAID.get(figure, [])
 
 
 def own_axes(figure: Figure) -> list[Axes]:
@@ -331,7 +346,7 @@ def columns_of(words: Sequence[str], room: int) -> int:
 
 
 def even_columns(count: int, most: int) -> int:
-    """As few columns as make no more rows of a legend: none of these has a single entry then."""
+    """As few columns as make no more rows of a legend, which are about as long then."""
     rows = -(-count // most)
     return -(-count // rows)
 
@@ -521,6 +536,7 @@ def finish(figure: Figure) -> None:
     for artist in itertools.chain.from_iterable([*ax.lines, *ax.collections] for ax in own):
         name = str(artist.get_label()).removeprefix("_")  # which hides it from legends, not tables
         artist.set_label(str(artist.get_label()).replace(name, worded(name)))
+    _UNSAID[figure] = [word for word in _WORDS.get() or () if word not in (_MET.get() or ())]
 
 
 def _is_set(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:
@@ -622,10 +638,11 @@ def _folded(words: str, most: int) -> str:
 def thicken(figure: Figure) -> None:
     """Lines and marks of the weight of the look."""
     weight = _LOOK.get().weight
-    for line in figure.findobj(Line2D) if weight != 1.0 else ():
+    drawn = (_GIVEN.get() or figure).findobj()
+    for line in [one for one in drawn if isinstance(one, Line2D) and weight != 1.0]:
         line.set(lw=weight * line.get_linewidth(), ms=weight * line.get_markersize())
         line.set_markeredgewidth(weight * line.get_markeredgewidth())
-    for lines in figure.findobj(LineCollection) if weight != 1.0 else ():
+    for lines in [one for one in drawn if isinstance(one, LineCollection) and weight != 1.0]:
         lines.set_linewidth([weight * width for width in np.atleast_1d(lines.get_linewidth())])
 
 

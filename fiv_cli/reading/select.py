@@ -153,8 +153,9 @@ def _matching_label(labels: np.ndarray, wanted: str) -> np.ndarray:
 def _what_exists(axis: xr.DataArray, wanted: Any) -> str:
     if not is_numeric(axis) or axis.size <= 8:
         values = [f"{value:g}" if is_numeric(axis) else str(value) for value in axis.values]
-        more = f", ... {values[-1]}" if len(values) > MOST_NAMED else ""
-        return f"{axis.name}: {', '.join(values[:MOST_NAMED])}{more}"
+        if len(values) > MOST_NAMED:
+            values[MOST_NAMED - 1 : -1] = ["..."]
+        return f"{axis.name}: {', '.join(values)}"
     span = f"{axis.name}: {axis.size} values from {axis.values.min():g} to {axis.values.max():g}"
     if condition(str(wanted)):
         return span

@@ -303,7 +303,7 @@ class Plan:
             for name in drawn_of_motions(case)
         ]
         lines += [
-            f"  figure {name}: {variable} is known where points are run alone: [sweep] refine "
+            f"  figure {name}: {variable} is known only where points are run: [sweep] refine "
             "fills in the class of the others; --set 'sweep={}' -o ANOTHER.nc runs all"
             for name, variable in numbers_of_refined(case)
         ]
