@@ -396,7 +396,8 @@ def test_a_line_is_seen_beneath_one_that_runs_upon_it_for_a_while():
         y_rms=(("Omega", "initial"), values + 1.0, {"units": "m"}),
     )
     _, ax = draw(two, figure("curve", variable=["L_s", "x_rms", "y_rms"])).axes
-    wide = [one for one in ax.lines if one.get_linewidth() == 2.4]
+    beneath = 2.0 * style.SETTINGS["lines.linewidth"]
+    wide = [one for one in ax.lines if one.get_linewidth() == beneath]
     assert len(wide) == 2  # of both variables
     for line in wide:
         x, y = line.get_data()

@@ -449,7 +449,7 @@ class FigureTable(Table):
     words: dict[Annotated[str, StringConstraints(min_length=1)], str] = Field(
         default={},
         description="what stands in the legend and at axes -> what to write in its place: "
-        '{ "contact 1" = "lower belt", "the section" = "each turning point" }',
+        '{ "contact 1" = "lower belt", "equilibrium" = "steady sliding" }',
     )
     unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit: Hz or rad/s")
     resolution: Quantity | None = Field(

@@ -58,7 +58,6 @@ UNSURE = {
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
 MOST_COMPARED = 100  # lines that may lie on one another
-MOST_BENEATH = 2  # lines that are seen beneath another
 SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
 STEP = 3.0  # times those beside it: a step that no curve takes
@@ -385,7 +384,7 @@ def _plot(
     if not apart:
         look |= _marked_where_seen(ax, cut, most) if curve.is_marked else {"marker": "None"}
     if upon.any() and not apart:
-        wide = (1 + min(upon.max(), MOST_BENEATH)) * mpl.rcParams["lines.linewidth"]
+        wide = (1 + min(upon.max(), branch.MOST_BENEATH)) * mpl.rcParams["lines.linewidth"]
         ax.plot(x, beneath, ls=dash, lw=wide, color=entry.colour, label=DECORATION)
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone

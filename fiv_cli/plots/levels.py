@@ -150,9 +150,13 @@ def draw(
 
 def _has_room(ax: Axes, levels: Sequence[float]) -> bool:
     """Whether a panel is large beside what would be written on it."""
-    letters = style.longest([labels.number_text(level, levels) for level in levels])
-    length = letters * style.LETTER * mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS
-    return bool(length < WIDEST * ax.bbox.width)
+    texts = [labels.number_text(level, levels) for level in levels]
+    return bool(style.longest(texts) * style.LETTER * _height(ax) < WIDEST * ax.bbox.width)
+
+
+def _height(ax: Axes) -> float:
+    """Of the letters of levels, in pixels."""
+    return float(mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS)
 
 
 def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]) -> None:
@@ -191,7 +195,7 @@ def _rooms(
     There it reaches over no side of the panel and no line of those `crossing`, its own is straight,
     and those of `others` levels are further away than a share of it.
     """
-    height = mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS
+    height = _height(ax)
     box = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
     length = 2.0 * (box[0] - PAD * height)
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for

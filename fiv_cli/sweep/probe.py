@@ -173,7 +173,7 @@ def _of_children() -> float:
 def _serve(pipe: Connection, theirs: Connection, parent: int) -> None:
     """Run what comes; SIGPROF and SIGALRM keep their default action, which ends the process.
 
-    What it takes to come is no part of what it takes: a run sends many points at once.
+    The time in which a task is sent is no part of what its points take: a run sends many at once.
     """
     known: Any = None
     theirs.close()
