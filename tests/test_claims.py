@@ -375,6 +375,10 @@ def test_what_is_not_known_well_enough_says_what_lessens_the_error():
         "where an equilibrium loses its stability, an analysis `critical` finds it; "
         "runs beside it are undecided: a larger `t_max` of the analysis 'b' lessens it"
     )
+    why = data.flags(("mu_k",), ["cycle_not_confirmed"], ["none", "cycle_not_confirmed"])
+    unsure = wide.assign(undecided_reason=why).assign_attrs(analyses_json=of_runs)
+    found = tried(unsure, "boundary", {"less_than": 6}).found
+    assert "undecided (cycle_not_confirmed): a smaller `solver.rtol`" in found
     critical = near.assign_attrs(analyses_json=told % "system")
     assert "no setting" in tried(critical, "boundary", {"less_than": 6}).found
     assert (

@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import combinations
 from math import atan, cos, exp, log, pi, sin, sqrt
 from typing import Any
+from unittest.mock import ANY
 
 import bouncing_ball as ball
 import numpy as np
@@ -190,6 +191,9 @@ def test_a_branch_of_impacting_cycles_folds_and_flips_where_it_must() -> None:
     assert found.values["cycle_lowest_kind"] == "fold"
     turn = kinds.index("fold")
     assert found.ragged["cycle_end_goes_on"][turn] == "yes"
+    value, stable = found.ragged["branch_value"], np.array(found.ragged["branch_stable"])
+    for side in ("stable", "unstable"):  # a figure's lines begin there, not a step further on
+        assert np.min(np.abs(value[stable == side] - EXACT["flip"])) <= 1e-6 * 0.45
 
 
 def assert_ends_within_their_errors(found: Outcome, width: float, cycles: float = 2e-8) -> None:
@@ -358,6 +362,17 @@ def test_a_branch_turns_at_a_grazing_and_shrinks_to_the_equilibrium(
     assert found.values["cycle_highest"] == found.values["stable_highest"] == corner
     kinds = [found.values[f"stable_{end}_kind"] for end in ("lowest", "highest")]
     assert kinds == ["bracket", "grazing"]
+
+
+def test_a_branch_that_starts_at_an_edge_of_its_bracket_ends_where_any_other_does() -> None:
+    """It shrinks to the Hopf point below, where 3 N (mu_s - mu_k) exp(-3 v) = c."""
+    found = cycle(
+        law="exponential", start={"x": 2.6}, branch=("v", 1.85, 2.0), section=Section("own"),
+        m=1.0, k=1.0, c=0.02, N=10.0, v=2.0, mu_s=0.4, mu_k=0.2, alpha=3.0,
+    )  # fmt: skip
+    assert ends(found) == [("equilibrium", ANY), ("bracket", 2.0)]
+    low, error = (found.values[f"cycle_lowest{of}"] for of in ("", "_error"))
+    assert abs(low - log(300.0) / 3.0) <= error <= 1e-6
 
 
 def test_a_closed_branch_is_followed_once_round() -> None:

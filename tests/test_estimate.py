@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import re
+import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from types import SimpleNamespace
@@ -29,7 +32,7 @@ from fiv_cli.sweep.probe import Probe, Tried
 from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.refine import Maps
 from fiv_cli.sweep.run import run_case
-from fiv_cli.sweep.worker import ChainState, Segment, Task
+from fiv_cli.sweep.worker import ChainState, Result, Segment, Task, run_task
 
 
 @pytest.mark.parametrize(
@@ -165,6 +168,24 @@ def test_a_process_that_tries_points_ends_with_what_it_is_for() -> None:
         probe.run(part_of_few_steps(endless()))
         assert multiprocessing.active_children()
     assert not multiprocessing.active_children()
+
+
+def test_a_process_that_others_end_or_keep_waiting_is_begun_once_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is not taken for a point that takes too long: one in seconds told "at least" for a run."""
+    monkeypatch.setattr("fiv_cli.sweep.probe.run_task", partial(ended_first, tmp_path / "met"))
+    with Probe(5.0) as probe:
+        assert probe.run(part_of_few_steps(endless())).result is not None
+    assert (tmp_path / "met").exists()
+
+
+def ended_first(met: Path, task: Task) -> Result:
+    """Run a task; the first process that is asked to is ended as by the alarm."""
+    if not met.exists():
+        met.touch()
+        os.kill(os.getpid(), signal.SIGALRM)
+    return run_task(task)
 
 
 def test_a_sample_is_spread_over_every_axis_and_reaches_every_point() -> None:

@@ -65,6 +65,7 @@ CONFIRMED, CONTRADICTED, UNDETERMINED = "confirmed", "contradicted", "undetermin
 NOT_RUN = "not run"
 LOOKED_AT = 8  # datasets, the newest, for one of another name
 
+UNDECIDED = "runs beside it are undecided"
 BY_EIGENVALUES = "where an equilibrium loses its stability, an analysis `critical` finds it"
 
 # Share of the points that may be open without leaving a claim undetermined that the rest decides.
@@ -485,7 +486,10 @@ def beside(dataset: xr.Dataset, wide: xr.DataArray | bool = True) -> str:
     sides = [one.where(wide) for one in known]
     lost = [one for side in sides for one in ENDED_EARLY if bool(is_class(side, (one,)).any())]
     if not lost:
-        return "runs beside it are undecided: a larger `t_max`"
+        why = dataset.get("undecided_reason", dataset["status"])  # 0.1.0 does not say
+        if bool((is_class(why, ("cycle_not_confirmed",)) & wide).any()):
+            return f"{UNDECIDED} (cycle_not_confirmed): a smaller `solver.rtol` or larger `t_max`"
+        return f"{UNDECIDED}: a larger `t_max`"
     ended = " and ".join(dict.fromkeys(lost)).replace("_", " ")
     return f"runs beside it ended ({ended}), without a number: asking for a class in `of`"
 

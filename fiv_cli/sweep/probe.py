@@ -118,15 +118,22 @@ class Probe:
         return longest
 
     def _answer(self, task: Task, limit: float) -> tuple[Result, float] | float:
-        """What a task gives, and its processor time, s; the time alone: it was ended."""
-        pipe, before = self._begun() if self._pipe is None else self._pipe, self._spent
-        with suppress(EOFError, ConnectionError):
-            same = task.template is self._known
-            pipe.send((None if same else task.template, task.variables, task.segments, limit))
-            self._known = task.template
-            result, seconds, self._spent = pipe.recv()
-            return result, seconds
-        return min(limit, self._end() - before)
+        """What a task gives, and its processor time, s; the time alone: it was ended.
+
+        One that ended for anything but its own time, as others kept it waiting, is begun once more.
+        """
+        for _ in range(2):
+            pipe, before = self._begun() if self._pipe is None else self._pipe, self._spent
+            with suppress(EOFError, ConnectionError):
+                same = task.template is self._known
+                pipe.send((None if same else task.template, task.variables, task.segments, limit))
+                self._known = task.template
+                result, seconds, self._spent = pipe.recv()
+                return result, seconds
+            spent, reason = self._end()
+            if reason == -signal.SIGPROF:
+                break
+        return min(limit, spent - before)
 
     def _begun(self) -> Connection:
         context = multiprocessing.get_context("fork")
@@ -139,16 +146,17 @@ class Probe:
         theirs.close()
         return self._pipe
 
-    def _end(self) -> float:
-        """End the process; its processor time, s."""
-        before = _of_children()
+    def _end(self) -> tuple[float, int | None]:
+        """End the process; its processor time, s, and with what code it had ended before."""
+        before, code = _of_children(), None
         if self._process is not None and self._pipe is not None:
             self._process.kill()
             self._process.join()
             self._pipe.close()
+            code = self._process.exitcode
         self._process = self._pipe = self._known = None
         self._spent = 0.0
-        return _of_children() - before
+        return _of_children() - before, code
 
 
 def part_of(template: Template, share: float) -> Template:

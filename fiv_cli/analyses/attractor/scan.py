@@ -18,6 +18,7 @@ by what the closer runs may be wrong themselves, it may be off.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -62,7 +63,7 @@ class _Runs:
     system: System
     request: Request
     count: int = 0
-    undecided: int = 0
+    undecided: Counter[str] = field(default_factory=Counter)  # reasons of those without an answer
     failed: list[Outcome] = field(default_factory=list)
     totals: dict[str, float] = field(default_factory=dict)
 
@@ -78,7 +79,7 @@ class _Runs:
         label = str(outcome.values.get("attractor", NOTHING))
         answer = answered(self.settings["of"], outcome)
         self.count += 1
-        self.undecided += answer is None
+        self.undecided.update([outcome.reason or "none"] if answer is None else [])
         self._book(outcome)
         return Look(value, answer, label, outcome.carry)
 
@@ -99,7 +100,7 @@ class _Runs:
         settings = {**self.settings, "t_max": longer * self.settings["t_max"]}
         solver = self.request.solver.with_error(CLOSER)
         request = replace(self.request, settings=settings, solver=solver)
-        return replace(self, request=request, count=0, undecided=0)
+        return replace(self, request=request, count=0, undecided=Counter())
 
     def _book(self, outcome: Outcome) -> None:
         if outcome.status != "ok":
@@ -169,7 +170,8 @@ def boundaries(system: System, request: Request) -> Outcome:
     errors = values["boundary_error"] = _errors(runs, listed)
     at_changes = {change.middle: error for (change, _), error in zip(listed, errors, strict=True)}
     values |= _bistable(passes, settings, at_changes)
-    values |= {"n_runs": runs.count, "n_undecided": runs.undecided, **runs.totals}
+    values |= {"n_runs": runs.count, "n_undecided": runs.undecided.total(), **runs.totals}
+    values["undecided_reason"] = next(iter(dict(runs.undecided.most_common(1))), "none")
     return _concluded(runs, passes, values, [change for change, _ in listed])
 
 

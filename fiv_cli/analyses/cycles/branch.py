@@ -14,7 +14,7 @@ end.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -113,16 +113,25 @@ class Continuation:
         return self.bracket[1] - self.bracket[0]
 
     def holding(self, value: float) -> Problem | None:
-        """The problem at a `value` inside the bracket that makes sense and leaves the excitation
-        on or off; None at any other.
+        """The problem at a `value` inside the bracket, if one `like` it; None at any other."""
+        return self.like(value) if self.bracket[0] <= value <= self.bracket[1] else None
+
+    def like(self, value: float) -> Problem | None:
+        """The problem at a `value` that makes sense and leaves the excitation on or off; else None.
 
         A cycle's period is free without an excitation and bound to its period with one.
         """
-        if not self.bracket[0] <= value <= self.bracket[1]:
-            return None
         there = self.at(value)
         same = (there.excitation is None) == (self.problem.excitation is None)
         return there if same and not _invalid(there) else None
+
+    def beside(self, value: float, shift: float) -> dict[float, Problem]:
+        """The problems a `shift` below and above a value that are like it.
+
+        Beyond an edge of the bracket, too: the branch ends there, not its motions.
+        """
+        found = {there: self.like(there) for there in (value - shift, value + shift)}
+        return {there: problem for there, problem in found.items() if problem is not None}
 
     def invalid(self, value: float) -> str:
         """Reason why there is nothing to compute at `value`; empty where there is."""
@@ -227,8 +236,9 @@ def _jacobian(
     """
     values, rates = frame.values(here, own), []
     for shift in DIFFERENCES:
-        rates = list(_rates(line, frame, own, value, here.events, values, shift * line.span))
-        if len(rates) == 2 and _are_alike(rates[0], rates[1], line.span):
+        sides = line.beside(value, shift * line.span)
+        rates = list(_rates(frame, own, value, here.events, values, sides))
+        if rates and len(rates) == len(sides) and _are_alike(rates[0], rates[-1], line.span):
             break
     if not rates:
         return None
@@ -236,18 +246,16 @@ def _jacobian(
 
 
 def _rates(
-    line: Continuation,
     frame: Shooting,
     own: Vector,
     value: float,
     events: object,
     values: Vector,
-    shift: float,
+    sides: Mapping[float, Problem],
 ) -> Iterator[Vector]:
     """Rate of change of the conditions by the parameter, to each side that has the same events."""
-    for there in (value - shift, value + shift):
-        problem = line.holding(there)
-        beside = None if problem is None else frame.around(problem, own, tangents=False)
+    for there, problem in sides.items():
+        beside = frame.around(problem, own, tangents=False)
         if beside is not None and beside.events == events:
             yield (frame.values(beside, own) - values) / (there - value)
 
@@ -449,7 +457,7 @@ def follow(
     most : points after which it is given up (an end of kind "budget")
     round_corners : whether a branch of other cycles that begins at an end is gone on with
     """
-    walk = _Walk(first, first, round_corners)
+    walk = _Walk(first, first, first, round_corners)
     if first.value == line.bracket[way_of(first) > 0]:
         return [], [End(first.value, 0.0, AT_EDGE, way_of(first), False)]
     for _ in range(TRIES * most):
@@ -457,15 +465,16 @@ def follow(
             break
         there = step(line, walk.here, walk.length)
         if there is not None:
-            last = _advance(line, first, walk, there)
+            last = _advance(line, walk, there)
         elif is_close(line, walk.here, walk.length):
             last = _turn(line, walk)
         else:
             walk.length, walk.in_a_row = 0.5 * walk.length, 0
             continue
         if last is not None:
-            return walk.points, [*walk.ends, last]
-    return walk.points, [*walk.ends, End(walk.here.value, 0.0, BUDGET, way_of(walk.here), False)]
+            return walk.cycles(), [*walk.ends, last]
+    given_up = End(walk.here.value, 0.0, BUDGET, way_of(walk.here), False)
+    return walk.cycles(), [*walk.ends, given_up]
 
 
 @dataclass
@@ -474,6 +483,7 @@ class _Walk:
 
     Attributes
     ----------
+    first : the point that the branch is followed from
     here : the last point
     well : the last from which the branch went on in steps of ordinary length
     round_corners : whether other branches are gone on with
@@ -484,6 +494,7 @@ class _Walk:
     rounded : corners that were gone round as they were met again
     """
 
+    first: Point
     here: Point
     well: Point
     round_corners: bool
@@ -493,6 +504,15 @@ class _Walk:
     ends: list[End] = field(default_factory=list)
     before: list[int] = field(default_factory=list)
     rounded: list[End] = field(default_factory=list)
+
+    def cycles(self) -> list[Point]:
+        """The points, with the last before each of the ends, to which steps were bisected."""
+        found = list(self.points)
+        for end, place in reversed(list(zip(self.ends, self.before, strict=True))):
+            known = self.points[place - 1] if place else self.first
+            if end.last is not None and end.last is not known:
+                found.insert(place, end.last)
+        return found
 
     def pass_end(self, end: End) -> None:
         """Note an end at which the branch goes on."""
@@ -517,7 +537,7 @@ def stable_until(first: Point, ends: Sequence[End]) -> End | None:
     return next(end for end in ends if end.beyond is None or not end.beyond.cycle.stable)
 
 
-def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End | None:
+def _advance(line: Continuation, walk: _Walk, there: Point) -> End | None:
     """Go to the next point, or to the first after a change before it; the end reached there."""
     walk.in_a_row += 1
     changes = there.character != walk.here.character
@@ -534,7 +554,7 @@ def _advance(line: Continuation, first: Point, walk: _Walk, there: Point) -> End
         walk.well = there
     walk.here = there
     walk.points.append(there)
-    return _known_end(line, first, walk.points)
+    return _known_end(line, walk.first, walk.points)
 
 
 def _turn(line: Continuation, walk: _Walk) -> End | None:
