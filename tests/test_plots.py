@@ -454,7 +454,22 @@ def test_a_curve_does_not_break_where_no_leap_is_seen():
     """Where both of two contacts stick at once, for the share of time that each sticks."""
     shares = np.array([0.0, 0.0, 0.0, 0.8821, 0.8835, 0.8833, 0.8832])
     kinds = np.array([1.0, 1.0, 1.0, 3.0, 2.0, 2.0, 2.0])
-    assert np.flatnonzero(curve._changes_kind(shares, kinds)).tolist() == [2]
+    assert np.flatnonzero(curve._changes_kind(shares, kinds, False)).tolist() == [2]
+
+
+@pytest.mark.parametrize(("far", "asked"), [(0.3, {}), (1.6, {}), (1.6, {"ylim": [0.05, 0.1]})])
+def test_a_leap_to_a_cycle_of_one_point_is_one_whatever_else_a_panel_shows(far, asked):
+    """A far value stretched the panel, and the leap was joined; nor is the dot of it a key then."""
+    periods = np.array([*np.linspace(0.07, 0.06, 200), 0.287, *np.linspace(0.056, 0.055, 200), far])
+    kinds = np.array([1] * 200 + [4] + [1] * 200 + [28])
+    dataset = data.bifurcation()[["status", "attractor", "L_s"]]
+    dataset = dataset.isel(initial=[0], Omega=np.zeros(kinds.size, int))
+    dataset = dataset.assign_coords(Omega=("Omega", np.arange(1.0 * kinds.size), {"units": "1"}))
+    dataset["L_s"].values[:, 0] = periods
+    dataset["multiplicity"] = dataset["status"].copy(data=kinds[:, None])
+    line = draw(dataset, figure("curve", variable="L_s", **asked)).axes[0].lines[0]
+    assert np.flatnonzero(np.isnan(line.get_ydata())).tolist() == [200, 202, 403]
+    assert (line.get_marker() == "None") == bool(asked)
 
 
 @pytest.mark.parametrize(("log", "breaks"), [(False, 0), ("y", 1)])
@@ -1381,6 +1396,29 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     np.testing.assert_array_equal(marks(ax, "a mode turns stable"), [[5, 2], [10, 4]])
     (ax,) = draw(dataset.isel(crossing=[0]), figure("curve")).axes
     assert ax.get_legend() is None
+    other = data.boundaries().isel(crossing=[0]).rename(N0="R")  # each variable has one sort
+    other = other.assign_coords(dataset["R"].coords).isel(R=[0, 1])
+    other["boundary"].attrs["units"] = "N"
+    both = {"critical": dataset.isel(crossing=[0]), "ends": other}
+    asked = figure("curve", x="R", variable=["critical_value", "boundary"])
+    (ax,) = draw(both, asked).axes
+    assert legend_texts(ax) == [
+        "critical value of $A_{b}$",
+        "$\\Omega$ at which the answer changes",
+    ]
+    assert {line.get_marker() for line in ax.lines if len(line.get_xdata())} == {".", "_"}  # caps
+
+
+def test_of_several_files_each_shows_those_variables_of_a_curve_that_it_has():
+    whole = data.bifurcation()[["status", "attractor", "L_s"]]
+    whole["stick_fraction"] = whole["L_s"].assign_attrs(units="s")
+    asked = figure("curve", variable=["L_s", "stick_fraction"])
+    part = whole.drop_vars("stick_fraction")
+    drawn = draw([("whole", whole), ("part", part)], asked)
+    told = [[line.get_label() for line in ax.lines if len(line.get_xdata())] for ax in drawn.axes]
+    assert [any("part" in label for label in labels) for labels in told] == [True, False]
+    with pytest.raises(UsageError, match=r"other: no L_s or stick_fraction.*\n.*it has attractor"):
+        draw([("whole", whole), ("other", part.drop_vars("L_s"))], asked)
 
 
 @pytest.mark.parametrize(("count", "marked"), [(25, True), (26, False)])
@@ -1686,8 +1724,8 @@ def test_numbers_of_motions_that_had_not_settled_are_marked_on_a_map():
     assert not any(ax.lines for ax in decided.axes)
 
 
-def test_a_number_of_a_motion_on_its_way_is_no_value_of_a_map():
-    """It stretched the shades over what it had come to by then."""
+def test_a_number_of_a_motion_on_its_way_stretches_no_shades_of_a_map():
+    """It is marked as any that is undecided; a cell without a shade would have said no number."""
     dataset = data.stability_map().isel(Omega=slice(0, 18))
     told = np.full(dataset["attractor"].shape, "none", dtype=object)
     told[0, 0] = "time_budget"
@@ -1697,7 +1735,8 @@ def test_a_number_of_a_motion_on_its_way_is_no_value_of_a_map():
     drawn = draw(dataset, figure("map", variable="L_s"))
     (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
     assert mesh.norm.vmax < 1.0
-    assert legend_texts(drawn) == ["no value: undecided"]
+    assert not np.ma.getmaskarray(mesh.get_array()).any()
+    assert legend_texts(drawn) == ["undecided"]
 
 
 @pytest.mark.parametrize(("count", "columns"), [(1, 1), (3, 3), (4, 2), (5, 3), (6, 3)])

@@ -5,7 +5,7 @@ Variables of one unit share a panel.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain, pairwise, product
 from typing import TYPE_CHECKING, Any
@@ -62,8 +62,8 @@ SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
 STEP = 3.0  # times those beside it: a step that no curve takes
 # Shares of its range by which a line leaps at least where it breaks; beside a kind of one
-# point, or at an end, where a step has none beside it.
-SEEN, SEEN_ALONE = 0.02, 0.25
+# point, or at an end, where a step has none beside it: or a share of the lesser of both values.
+SEEN, SEEN_ALONE, GROWN = 0.02, 0.25, 0.5
 SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
 SMALL = 0.02  # ... or of all values
@@ -80,6 +80,10 @@ BECOMES = {
     "lost": "the equilibrium ends",
     "gained": "an equilibrium begins",
 }
+
+
+_Parts = Mapping[int, points.Layer]
+"""The layers that have a variable, by their number in the figure."""
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -100,10 +104,12 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """
     axis = points.abscissa(layers[0].dataset, settings)
     settings = {**settings, "x": str(axis.name)}  # of every analysis and file
-    names = variables_of(layers[0], settings)
-    parts = {name: [_having(layer, name) for layer in layers] for name in names}
+    names = variables_of(layers, settings)
+    parts = {name: _having(layers, name) for name in names}
+    for number, layer in enumerate(layers):
+        _refuse_without(layer, [name for name, own in parts.items() if number in own], parts)
     along = {name: _along(own, axis) for name, own in parts.items()}
-    panels = _panels({name: own[0].dataset[name] for name, own in parts.items()})
+    panels = _panels({name: _first(own).dataset[name] for name, own in parts.items()})
     drawn = _each_once([*_lines(parts, along, panels, axis, settings)])
     points.refuse_empty(layers[0].dataset, any(one.is_known for _, one in drawn), names[0])
     title = points.title(*(layer.dataset for layer in layers))
@@ -125,26 +131,38 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     return figure
 
 
-def _having(layer: points.Layer, name: str) -> points.Layer:
-    """The layer as the analysis of its case that has a variable.
-
-    Raises
-    ------
-    UsageError : none has what the dataset before it is drawn of
-    """
-    for dataset in (layer.dataset, *layer.beside):
-        if name in dataset:
-            return replace(layer, dataset=dataset)
-    raise UsageError(
-        f"{layer.label}: no {name}, which this curve shows of the other datasets\n"
-        f"next: draw it alone (fiv plot FILE.nc), or say in the figure which variable all "
-        f"have; it has {listed(headlines(layer.dataset))}"
-    )
+def _having(layers: Sequence[points.Layer], name: str) -> dict[int, points.Layer]:
+    """Each layer that has a variable, by its number, as the analysis of its case that does."""
+    held = ((number, one, [one.dataset, *one.beside]) for number, one in enumerate(layers))
+    return {
+        number: replace(layer, dataset=own)
+        for number, layer, some in held
+        for own in [one for one in some if name in one][:1]
+    }
 
 
-def _along(parts: Sequence[points.Layer], axis: xr.DataArray) -> list[points.Layer]:
-    """The first of some datasets, and those that have its axis."""
-    return [parts[0], *(one for one in parts[1:] if select.has_axis(one.dataset, axis.name))]
+def _first(parts: _Parts) -> points.Layer:
+    """The first layer that has a variable."""
+    return next(iter(parts.values()))
+
+
+def _refuse_without(layer: points.Layer, has: Sequence[str], names: Iterable[str]) -> None:
+    """Raise a UsageError where a dataset has nothing of what is drawn."""
+    if not has:
+        raise UsageError(
+            f"{layer.label}: no {' or '.join(names)}, which this curve shows of the other "
+            "datasets\nnext: draw it alone (fiv plot FILE.nc), or say in the figure which variable "
+            f"each has; it has {listed(headlines(layer.dataset))}"
+        )
+
+
+def _along(parts: _Parts, axis: xr.DataArray) -> list[points.Layer]:
+    """The first dataset of the figure, and those that have its axis."""
+    return [
+        one
+        for number, one in parts.items()
+        if not number or select.has_axis(one.dataset, axis.name)
+    ]
 
 
 def _with_gaps(along: Mapping[str, Sequence[points.Layer]]) -> list[points.Layer]:
@@ -159,7 +177,7 @@ def _with_gaps(along: Mapping[str, Sequence[points.Layer]]) -> list[points.Layer
 
 
 def _lines(
-    parts: Mapping[str, Sequence[points.Layer]],
+    parts: Mapping[str, _Parts],
     along: Mapping[str, Sequence[points.Layer]],
     panels: Sequence[Mapping[str, xr.DataArray]],
     axis: xr.DataArray,
@@ -169,17 +187,20 @@ def _lines(
 
     Of each variable there are the `parts` that have it, some of which vary `along` the axis.
     """
-    every = chain(*parts.values())
-    sorts = list(dict.fromkeys(sort for one in every for sort in _sorts(one.dataset)))
-    count = max(map(len, parts.values()))
-    for number, (place, own) in product(range(count), enumerate(panels)):
-        for name in own:
+    own_sorts = [
+        {sort: 0 for one in own.values() for sort in _sorts(one.dataset)} for own in parts.values()
+    ]
+    several = max(map(len, own_sorts)) > 1  # else the variable tells the sort
+    sorts = list(dict.fromkeys(chain(*own_sorts))) if several else []
+    every = sorted({number for own in parts.values() for number in own})
+    for number, (place, own) in product(every, enumerate(panels)):
+        for name in [name for name in own if number in parts[name]]:
             part, rest = parts[name][number], len(parts[name]) - len(along[name])
             curves = (
                 _curves(part, name, len(own) > 1, settings, sorts)
                 if any(part is one for one in along[name])
                 else _of_branches(part, name, axis, rest > 1)
-                or _without_axis(part, name, parts[name][0].dataset, axis)
+                or _without_axis(part, name, _first(parts[name]).dataset, axis)
             )
             yield from ((place, curve) for curve in curves)
 
@@ -249,6 +270,8 @@ def _entries(lines: Sequence[_Curve], dashed: str) -> list[points.Entry]:
     shown = [one for one in lines if one.is_known or one.of_crossings]
     known = {"", *(word for one in shown for word in (one.label, one.without(dashed)))}
     entries = points.entries([one.without(dashed) for one in lines])
+    if any(one.sort for one in lines):  # dashes tell these
+        entries = [replace(entry, dash="-") for entry in entries]
     if dashed:
         sorts = filter(None, dict.fromkeys(one.words.get(dashed) for one in lines))
         dashes = dict(zip(sorts, style.DASHES, strict=False))
@@ -462,18 +485,19 @@ def _headlines(dataset: xr.Dataset) -> list[str]:
     return sorted(headlines(dataset), key=lambda name: bool(flag_names(dataset[name].attrs)))
 
 
-def variables_of(layer: points.Layer, settings: points.Settings) -> list[str]:
+def variables_of(layers: Sequence[points.Layer], settings: points.Settings) -> list[str]:
     """The variables that the figure names (``variable``, or ``y``), else the preferred one.
 
     Raises
     ------
-    UsageError : neither the dataset nor, where no analysis is named, one beside it has it
+    UsageError : no dataset has it, nor, where no analysis is named, one beside it
     """
-    default = settings.get("y", next(iter(_headlines(layer.dataset)), "variable"))
-    others = () if "analysis" in settings else layer.beside
+    first, alone = layers[0].dataset, "analysis" in settings
+    default = settings.get("y", next(iter(_headlines(first)), "variable"))
+    others = [own for one in layers for own in (one.dataset, *(() if alone else one.beside))]
     beside = {name for dataset in others for name in dataset.data_vars}
     return [
-        name if name in beside else points.known_variable(layer.dataset, name)
+        name if name in beside else points.known_variable(first, name)
         for name in points.variables(settings, default)
     ]
 
@@ -590,7 +614,7 @@ def _curves(
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
-        apart |= _changes_kind(np.log10(np.where(y > 0.0, y, np.nan)) if logarithmic else y, kind)
+        apart |= _changes_kind(y, kind, logarithmic)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
@@ -617,20 +641,22 @@ def _kinds(dataset: xr.Dataset) -> xr.DataArray:
     return passages.fillna(0.0) + MANY * sticks
 
 
-def _changes_kind(y: np.ndarray, kinds: np.ndarray) -> np.ndarray:
+def _changes_kind(y: np.ndarray, kinds: np.ndarray, logarithmic: bool) -> np.ndarray:
     """Between which neighbours a line steps by more than beside it, to a cycle of another kind.
 
     Where a cycle gains a stick on its way the line goes on. Steps are compared with those within a
-    kind: beside them, else the median of all.
+    kind: beside them, else the median of all. No value elsewhere decides on a step that is seen.
     """
-    steps, differ = np.abs(np.diff(y)), kinds[1:] != kinds[:-1]
+    height = np.log10(np.where(y > 0.0, y, np.nan)) if logarithmic else y
+    steps, differ = np.abs(np.diff(height)), kinds[1:] != kinds[:-1]
     within = steps[~differ & np.isfinite(steps)]
     if not within.size:
         return np.zeros(steps.shape, bool)
     known = np.pad(np.where(differ, np.nan, steps), 1, constant_values=np.nan)
     beside, is_alone = np.fmax(known[:-2], known[2:]), np.isnan(known[:-2] + known[2:])
     beside = np.where(np.isnan(beside), np.median(within), beside)
-    least = np.where(is_alone, SEEN_ALONE, SEEN) * np.ptp(y[np.isfinite(y)])
+    grown = np.abs(np.diff(y)) > GROWN * np.minimum(np.abs(y[1:]), np.abs(y[:-1]))
+    least = np.where(is_alone & ~grown, SEEN_ALONE, SEEN) * np.ptp(height[np.isfinite(height)])
     return np.asarray(differ & (steps > np.maximum(STEP * beside, least)))
 
 
@@ -726,7 +752,7 @@ def _by_sort(
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), error[at])
-                dashed = {"dash": dash, "mark": mark, "sort": sort} if is_told else {}
+                dashed = {"dash": dash, "mark": mark, "sort": sort} if is_told and sort else {}
                 own = told_by if is_told else {"sort": sort}
                 curves.append(_Curve(own, *found, **dashed, of_crossings=True))
     return curves

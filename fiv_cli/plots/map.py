@@ -443,11 +443,12 @@ def _paint_numbers(
     *,
     logarithmic: bool,
 ) -> None:
-    values = _with_rests(planes, numbers(planes.array).where(planes.settled))
+    values = _with_rests(planes, numbers(planes.array).where(planes.computed))
     unsure = _unsure(planes)[MIDDLE]
     if is_count(str(planes.array.name)):  # between one and two there is no number
         values = values.where(~unsure)
-    known = values.values[np.isfinite(values.values)]
+    known = values.where(planes.settled | ~planes.computed).values  # others stretch no shades
+    known = known[np.isfinite(known)]
     low, high = shades or _ends(known, logarithmic)
     counts = np.arange(low, high + 1.0)
     whole = is_count(str(planes.array.name)) and bool((known == known.round()).all())

@@ -208,16 +208,30 @@ def scale(ax: Axes, settings: Settings) -> None:
             ax.set(**{f"{which}lim": [in_si(bound) for bound in limits]})
     if "xlim" in settings and "ylim" not in settings:
         _scale_to_view(ax)
+    if settings.keys() & {"xlim", "ylim"}:
+        _unmark(ax)
+
+
+def _unmark(ax: Axes) -> None:
+    """Lines whose marked points all lie beyond the limits have no marks in the legend either."""
+    for line in ax.lines:
+        marked, xy = line.get_markevery(), np.asarray(line.get_xydata(), float)
+        if isinstance(marked, list) and len(xy) and not _inside(ax, xy[marked]).any():
+            line.set_marker("None")
+
+
+def _inside(ax: Axes, points: np.ndarray) -> np.ndarray:
+    """Which points lie within the limits of a panel, or on them."""
+    (x, y), (left, right), (low, high) = points.T, sorted(ax.get_xlim()), sorted(ax.get_ylim())
+    return np.asarray((left <= x) & (x <= right) & (low <= y) & (y <= high))
 
 
 def show_on_the_frame(ax: Axes) -> None:
     """Whole marks on the limits of a panel, of lines that do not reach beyond."""
-    (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
     for line in [one for one in ax.lines if one.get_transform() == ax.transData]:
-        x, y = np.asarray(line.get_xydata(), float).reshape(-1, 2).T
-        inside = (left <= x) & (x <= right) & (low <= y) & (y <= high)
-        known = np.isfinite(x + y)
-        line.set_clip_on(not known.any() or not inside[known].all())
+        xy = np.asarray(line.get_xydata(), float).reshape(-1, 2)
+        known = np.isfinite(xy).all(axis=1)
+        line.set_clip_on(not known.any() or not _inside(ax, xy[known]).all())
 
 
 def is_logarithmic(settings: Settings, which: str) -> bool:
