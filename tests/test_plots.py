@@ -417,6 +417,26 @@ def test_lines_of_all_starts_are_one_though_their_names_are_long():
     assert "both starts" in legend_texts(two.axes[0])
 
 
+def test_what_lines_of_all_starts_share_but_for_a_few_points_is_one_line():
+    """Lines of several dashes that lay on one another looked like one that is striped."""
+    dataset = data.bifurcation().isel(initial=[0, 0, 0], Omega=[0] * 40)
+    dataset = dataset.assign_coords(Omega=np.arange(40.0), initial=["a", "b", "c"])
+    dataset = dataset[["status", "attractor", "L_s"]].assign_attrs(dataset.attrs)
+    dataset["L_s"].values[:, :] = np.arange(40.0)[:, None]
+    dataset["L_s"].values[10, 1] = 10.5
+    drawn = draw(dataset, figure("curve", variable="L_s"))
+    seen = {
+        line.get_label(): np.flatnonzero(np.isfinite(line.get_ydata())).tolist()
+        for line in drawn.axes[0].lines
+        if len(line.get_xdata()) and line.get_visible() and not line.get_label().startswith("_nol")
+    }
+    shared = [place for place in range(40) if place != 10]
+    assert [*seen.values()] == [shared, [9, 10, 11], [9, 10, 11]]
+    assert legend_texts(drawn.axes[0]) == ["all starts", "a and c", "b"]
+    rows = list(csv.reader(as_csv(drawn, Path("a.csv")).splitlines()))[1:]
+    assert {row[4] for row in rows} == {"a", "b", "c", "a and c"}
+
+
 @pytest.mark.parametrize("asked", [{"initial": "near"}, {"initial": "other"}])
 def test_each_file_of_a_figure_selects_what_its_own_figure_of_that_name_does(asked):
     """But what is selected for all of them is."""

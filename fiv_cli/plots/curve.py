@@ -57,6 +57,7 @@ UNSURE = {
     "undecided points: nothing known": {"marker": "x", "ms": 5, "ls": "none"},
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
+MOSTLY = 0.9  # of their points, at which lines of all starts are one, but for what each has alone
 MOST_COMPARED = 100  # lines that may lie on one another
 SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
@@ -211,13 +212,46 @@ def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
         return [*drawn]
     starts = {*filter(None, (one.words.get("initial") for _, one in drawn))}
     groups: list[list[tuple[int, _Curve]]] = []
-    for place, one in drawn:
+    for place, one in _parted(drawn, starts):
         alike = (own for own in groups if own[0][0] == place and one.hides(own[0][1]))
         if (group := next(alike, None)) is None:
             groups.append([(place, one)])
         else:
             group.append((place, one))
     return [line for group in groups for line in _as_one(group, starts)]
+
+
+def _parted(
+    drawn: Sequence[tuple[int, _Curve]], starts: Collection[str]
+) -> Iterator[tuple[int, _Curve]]:
+    """The same (panel, line); what all `starts` share of lines that are one nearly everywhere once.
+
+    Of each such line there is what it has for itself then.
+    """
+    alike: dict[tuple[int, str], list[_Curve]] = {}
+    for place, one in drawn:
+        alike.setdefault((place, one.without("initial")), []).append(one)
+    met = [_shared(own, starts) for own in alike.values()]
+    if min((one.mean() for one in met), default=0.0) < MOSTLY:
+        yield from drawn
+        return
+    for ((place, _), own), shared in zip(alike.items(), met, strict=True):
+        if shared.all():
+            yield from ((place, one) for one in own)
+            continue
+        words = {**own[0].words, "initial": points.SHARED[len(starts) > 2]}
+        names = tuple(one.label for one in own)
+        yield place, replace(own[0].only(shared), words=words, names=names)
+        yield from ((place, one.only(one.joined_to(~shared))) for one in own)
+
+
+def _shared(own: Sequence[_Curve], starts: Collection[str]) -> np.ndarray:
+    """At which points lines of several starts are one; of what is no line of a start, none."""
+    plain = all("initial" in one.words and not one.is_random for one in own)
+    whole = len(own) == len(starts) > 1 and all(one.can_hide(own[0]) for one in own)
+    if not (plain and whole):
+        return np.zeros(1, bool)
+    return np.all([one.agrees_with(own[0]) for one in own], axis=0)
 
 
 def _as_one(group: list[tuple[int, _Curve]], starts: Collection[str]) -> list[tuple[int, _Curve]]:
@@ -530,14 +564,35 @@ class _Curve:
 
     def hides(self, other: _Curve) -> bool:
         """Whether it would lie upon another, mark by mark."""
-        if self.sort or self.of_crossings or not np.array_equal(self.x, other.x):
+        if not self.can_hide(other) or [*self.jumps] != [*other.jumps]:
             return False
-        if not np.array_equal(self.open, other.open) or [*self.jumps] != [*other.jumps]:
-            return False
-        pairs = zip(
-            (self.y, self.error, *self.ends), (other.y, other.error, *other.ends), strict=True
+        return bool(self.agrees_with(other).all())
+
+    def can_hide(self, other: _Curve) -> bool:
+        """Whether it has the points of another."""
+        plain = not (self.sort or self.of_crossings)
+        return plain and np.array_equal(self.x, other.x)
+
+    def agrees_with(self, other: _Curve) -> np.ndarray:
+        """At which points it would lie upon another that has the same."""
+        own, others = ((one.y, one.error, *one.ends) for one in (self, other))
+        pairs = zip(own, others, strict=True)
+        near = [np.isclose(a, b, rtol=UPON, atol=0.0, equal_nan=True) for a, b in pairs]
+        return np.asarray(np.all([*near, self.open == other.open], axis=0))
+
+    def only(self, part: np.ndarray) -> _Curve:
+        """What there is of it at some points."""
+        y, error, low, high = (
+            np.where(part, one, np.nan) for one in (self.y, self.error, *self.ends)
         )
-        return all(np.allclose(a, b, rtol=UPON, atol=0.0, equal_nan=True) for a, b in pairs)
+        return replace(self, y=y, error=error, ends=(low, high), open=self.open & part)
+
+    def joined_to(self, part: np.ndarray) -> np.ndarray:
+        """Some points, and those beside them that its line leads to."""
+        whole = ~np.isin(np.arange(1, part.size), self.jumps)
+        return np.asarray(
+            part | np.append(part[1:] & whole, False) | np.append(False, part[:-1] & whole)
+        )
 
     @property
     def label(self) -> str:
