@@ -260,13 +260,13 @@ def _as_one(group: list[tuple[int, _Curve]], starts: Collection[str]) -> list[tu
     Those of all `starts` at one place have one.
     """
     (place, first), names = group[0], tuple(one.label for _, one in group)
-    if len({(*one.words,) for _, one in group}) > 1:
+    if len(group) == 1 or len({(*one.words,) for _, one in group}) > 1:
         return group
     own = {one.words.get("initial") for _, one in group}
     if not points.of_all(names):
         is_one = len({one.without("initial") for _, one in group}) == 1 and len(group) == len(own)
         is_random = any(one.is_random for _, one in group)
-        if not is_one or own != starts or len(group) < 2 or is_random:
+        if not is_one or own != starts or is_random:
             return group
         words = {**first.words, "initial": points.SHARED[len(starts) > 2]}
         return [(place, replace(first, words=words, names=names))]
