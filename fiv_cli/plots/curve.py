@@ -111,18 +111,20 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _refuse_without(layer, [name for name, own in parts.items() if number in own], parts)
     along = {name: _along(own, axis) for name, own in parts.items()}
     panels = _panels({name: _first(own).dataset[name] for name, own in parts.items()})
-    drawn = _each_once([*_lines(parts, along, panels, axis, settings)])
+    numeric = select.is_numeric(axis)
+    bare = [n for n, own in enumerate(panels) if not numeric or _is_of_classes(own)]
+    drawn = _each_once([*_lines(parts, along, panels, axis, settings)], bare)
     points.refuse_empty(layers[0].dataset, any(one.is_known for _, one in drawn), names[0])
     title = points.title(*(layer.dataset for layer in layers))
     figure, axes = style.new_panels(len(panels), 1, title, sharex=True)
-    numeric = select.is_numeric(axis)
-    bare = [n for n, own in enumerate(panels) if not numeric or _is_of_classes(own)]
     dashed, every = _told_by_dashes(drawn, bare), [curve for _, curve in drawn]
     entries = _entries(every, dashed)
     if dashed:
         _name_looks(axes[0], every, entries, dashed)
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
+        if not all(curve.of_crossings for curve, _ in lines):
+            lines = [(c if c.sort else replace(c, mark=DOT), entry) for c, entry in lines]
         barred = _panel(ax, own, lines, numeric, points.is_logarithmic(settings, "y"))
         sampled = (_is_of_a_sample(one.dataset, name) for name in own for one in along[name])
         if barred and any(sampled):
@@ -206,13 +208,18 @@ def _lines(
             yield from ((place, curve) for curve in curves)
 
 
-def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
-    """The same (panel, line), with one in place of a few that would hide one another."""
+def _each_once(
+    drawn: Sequence[tuple[int, _Curve]], bare: Collection[int]
+) -> list[tuple[int, _Curve]]:
+    """The same (panel, line), with one in place of a few that would hide one another.
+
+    In `bare` panels there are points alone.
+    """
     if len(drawn) > MOST_COMPARED:
         return [*drawn]
     starts = {*filter(None, (one.words.get("initial") for _, one in drawn))}
     groups: list[list[tuple[int, _Curve]]] = []
-    for place, one in _parted(drawn, starts):
+    for place, one in _parted(drawn, starts, bare):
         alike = (own for own in groups if own[0][0] == place and one.hides(own[0][1]))
         if (group := next(alike, None)) is None:
             groups.append([(place, one)])
@@ -222,7 +229,7 @@ def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
 
 
 def _parted(
-    drawn: Sequence[tuple[int, _Curve]], starts: Collection[str]
+    drawn: Sequence[tuple[int, _Curve]], starts: Collection[str], bare: Collection[int]
 ) -> Iterator[tuple[int, _Curve]]:
     """The same (panel, line); what all `starts` share of lines that are one nearly everywhere once.
 
@@ -242,7 +249,8 @@ def _parted(
         words = {**own[0].words, "initial": points.SHARED[len(starts) > 2]}
         names = tuple(one.label for one in own)
         yield place, replace(own[0].only(shared), words=words, names=names)
-        yield from ((place, one.only(one.joined_to(~shared))) for one in own)
+        for one in own:
+            yield place, one.only(~shared if place in bare else one.joined_to(~shared))
 
 
 def _shared(own: Sequence[_Curve], starts: Collection[str]) -> np.ndarray:
@@ -370,7 +378,7 @@ def _panel(
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
         most = 0 if curve.of_crossings else int(crowd)
-        for named in _each_named(ax, curve, entry, most):
+        for named in _each_named(ax, curve, entry, apart, most):
             _plot(ax, curve, shift, named, apart, most, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
     for told, look in UNSURE.items():
@@ -385,13 +393,17 @@ def _is_of_classes(variables: Mapping[str, xr.DataArray]) -> bool:
     return any(flag_names(one.attrs) for one in variables.values())
 
 
-def _each_named(ax: Axes, curve: _Curve, entry: points.Entry, most: int) -> Iterator[points.Entry]:
+def _each_named(
+    ax: Axes, curve: _Curve, entry: points.Entry, apart: bool, most: int
+) -> Iterator[points.Entry]:
     """How a line is drawn; under the names of those that it hides it is in tables alone."""
     if len(curve.names) < 2:
         yield entry
         return
-    look = {**curve.mark, **({"marker": "None"} if _marked_where_seen(ax, curve.y, most) else {})}
-    ax.plot([], [], ls=entry.dash, color=entry.colour, label=entry.label, **look)
+    hidden = not apart and _marked_where_seen(ax, curve.y, most)
+    look = {**curve.mark, **({"marker": "None"} if hidden else {})}
+    dash = "none" if apart else entry.dash
+    ax.plot([], [], ls=dash, color=entry.colour, label=entry.label, **look)
     for number, name in enumerate(curve.names):
         before = {*ax.get_children()}
         yield replace(entry, label=points.unlisted(name))
@@ -807,7 +819,7 @@ def _by_sort(
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), error[at])
-                dashed = {"dash": dash, "mark": mark, "sort": sort} if is_told and sort else {}
+                dashed = {"dash": dash, "mark": mark, "sort": sort} if is_told else {}
                 own = told_by if is_told else {"sort": sort}
                 curves.append(_Curve(own, *found, **dashed, of_crossings=True))
     return curves
