@@ -1426,7 +1426,7 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
         "critical value of $A_{b}$",
         "$\\Omega$ at which the answer changes",
     ]
-    assert {line.get_marker() for line in ax.lines if len(line.get_xdata())} == {".", "_"}  # caps
+    assert {line.get_marker() for line in ax.lines if len(line.get_xdata())} == {"o", "_"}  # caps
 
 
 def test_of_several_files_each_shows_those_variables_of_a_curve_that_it_has():
