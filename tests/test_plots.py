@@ -428,13 +428,42 @@ def test_what_lines_of_all_starts_share_but_for_a_few_points_is_one_line():
     seen = [
         np.flatnonzero(np.isfinite(line.get_ydata())).tolist()
         for line in drawn.axes[0].lines
-        if len(line.get_xdata()) and line.get_visible() and line.get_label() != DECORATION
+        if len(line.get_xdata()) and line.get_visible() and line.get_linestyle() != "None"
     ]
     shared = [place for place in range(40) if place != 10]
     assert seen == [shared, [9, 10, 11], [9, 10, 11]]
     assert legend_texts(drawn.axes[0]) == ["all starts", "a and c", "b"]
-    rows = list(csv.reader(as_csv(drawn, Path("a.csv")).splitlines()))[1:]
-    assert {row[4] for row in rows} == {"a", "b", "c"}
+    for preloads in ([20.0], [20.0, 30.0]):  # a table has each point of each start once
+        parts = [dataset.assign_coords(N0=N0).expand_dims("N0") for N0 in preloads]
+        of_both = draw(xr.concat(parts, "N0"), figure("curve", variable="L_s", x="Omega"))
+        rows = list(csv.reader(as_csv(of_both, Path("a.csv")).splitlines()))[1:]
+        assert len({(row[4], row[6]) for row in rows}) == len(rows) == 120 * len(preloads)
+
+
+@pytest.mark.parametrize(
+    ("known", "told"), [(39, ["both starts", "a", "failed: b"]), (0, ["a", "b"])]
+)
+def test_a_start_that_failed_at_a_point_is_not_told_to_have_no_value(known, told):
+    dataset = data.bifurcation().isel(initial=[0, 0], Omega=[0] * 40)
+    dataset = dataset.assign_coords(Omega=np.arange(40.0), initial=["a", "b"])
+    dataset = dataset[["status", "attractor", "L_s"]].assign_attrs(dataset.attrs)
+    dataset["L_s"].values[:, :] = np.arange(40.0)[:, None]
+    if known:
+        dataset["status"].values[10, 1], dataset["attractor"].values[10, 1] = 2, -1
+        dataset["L_s"].values[10, 1] = np.nan
+    else:  # what no start knows is nothing that they share
+        dataset["L_s"].values[3:] = np.nan
+        dataset["L_s"].values[:3, 1] += 1.0
+    assert legend_texts(draw(dataset, figure("curve", variable="L_s")).axes[0]) == told
+
+
+@pytest.mark.parametrize(("at_its_place", "marker"), [(True, "D"), (False, "None")])
+def test_a_dataset_without_the_axis_keeps_its_mark_beside_others(at_its_place, marker):
+    whole = data.bifurcation().isel(initial=[0])[["status", "attractor", "L_s"]]
+    flat = whole.isel(Omega=5, drop=not at_its_place)
+    (ax,) = draw([("whole", whole), ("flat", flat)], figure("curve", variable="L_s")).axes
+    (line,) = [one for one in ax.lines if one.get_label() == "flat" and len(one.get_xdata())]
+    assert line.get_marker() == marker
 
 
 @pytest.mark.parametrize("asked", [{"initial": "near"}, {"initial": "other"}])
@@ -1757,7 +1786,13 @@ def test_a_number_of_a_motion_on_its_way_stretches_no_shades_of_a_map():
     (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
     assert mesh.norm.vmax < 1.0
     assert not np.ma.getmaskarray(mesh.get_array()).any()
+    (of_bar,) = [c for c in drawn.axes[1].collections if isinstance(c, QuadMesh)]
+    assert of_bar.colorbar.extend == "max"
     assert legend_texts(drawn) == ["undecided"]
+    dataset["reason"].values[...] = 1  # where all are, these are the shades
+    drawn = draw(dataset, figure("map", variable="L_s"))
+    (mesh,) = [c for c in drawn.axes[0].collections if isinstance(c, QuadMesh)]
+    assert mesh.norm.vmax == 1e9
 
 
 @pytest.mark.parametrize(("count", "columns"), [(1, 1), (3, 3), (4, 2), (5, 3), (6, 3)])

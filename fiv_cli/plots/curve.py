@@ -113,7 +113,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     panels = _panels({name: _first(own).dataset[name] for name, own in parts.items()})
     numeric = select.is_numeric(axis)
     bare = [n for n, own in enumerate(panels) if not numeric or _is_of_classes(own)]
-    drawn = _each_once([*_lines(parts, along, panels, axis, settings)], bare)
+    drawn = _each_once([*_lines(parts, along, panels, axis, settings)])
     points.refuse_empty(layers[0].dataset, any(one.is_known for _, one in drawn), names[0])
     title = points.title(*(layer.dataset for layer in layers))
     figure, axes = style.new_panels(len(panels), 1, title, sharex=True)
@@ -124,7 +124,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
         if not all(curve.of_crossings for curve, _ in lines):
-            lines = [(c if c.sort else replace(c, mark=DOT), entry) for c, entry in lines]
+            plain = [replace(c, mark=DOT) if c.of_crossings and not c.sort else c for c, _ in lines]
+            lines = [*zip(plain, (entry for _, entry in lines), strict=True)]
         barred = _panel(ax, own, lines, numeric, points.is_logarithmic(settings, "y"))
         sampled = (_is_of_a_sample(one.dataset, name) for name in own for one in along[name])
         if barred and any(sampled):
@@ -170,7 +171,7 @@ def _along(parts: _Parts, axis: xr.DataArray) -> list[points.Layer]:
 
 def _with_gaps(along: Mapping[str, Sequence[points.Layer]]) -> list[points.Layer]:
     """Each dataset whose gaps are marked; of several analyses called by what is shown of it."""
-    several = len({id(own[0].dataset) for own in along.values()}) > 1
+    several = len({id(own[0].dataset) for own in along.values() if own}) > 1
     found = {}
     for name, own in along.items():
         for one in own:
@@ -208,18 +209,13 @@ def _lines(
             yield from ((place, curve) for curve in curves)
 
 
-def _each_once(
-    drawn: Sequence[tuple[int, _Curve]], bare: Collection[int]
-) -> list[tuple[int, _Curve]]:
-    """The same (panel, line), with one in place of a few that would hide one another.
-
-    In `bare` panels there are points alone.
-    """
+def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
+    """The same (panel, line), with one in place of a few that would hide one another."""
     if len(drawn) > MOST_COMPARED:
         return [*drawn]
     starts = {*filter(None, (one.words.get("initial") for _, one in drawn))}
     groups: list[list[tuple[int, _Curve]]] = []
-    for place, one in _parted(drawn, starts, bare):
+    for place, one in _parted(drawn, starts):
         alike = (own for own in groups if own[0][0] == place and one.hides(own[0][1]))
         if (group := next(alike, None)) is None:
             groups.append([(place, one)])
@@ -229,7 +225,7 @@ def _each_once(
 
 
 def _parted(
-    drawn: Sequence[tuple[int, _Curve]], starts: Collection[str], bare: Collection[int]
+    drawn: Sequence[tuple[int, _Curve]], starts: Collection[str]
 ) -> Iterator[tuple[int, _Curve]]:
     """The same (panel, line); what all `starts` share of lines that are one nearly everywhere once.
 
@@ -238,27 +234,28 @@ def _parted(
     alike: dict[tuple[int, str], list[_Curve]] = {}
     for place, one in drawn:
         alike.setdefault((place, one.without("initial")), []).append(one)
-    met = [_shared(own, starts) for own in alike.values()]
-    if min((one.mean() for one in met), default=0.0) < MOSTLY:
+    known = {key: np.any([one.known for one in own], axis=0) for key, own in alike.items()}
+    shared = {key: known[key] & _shared(own, starts) for key, own in alike.items()}
+    parts = [shared[key].sum() / known[key].sum() for key in alike if known[key].any()]
+    if not MOSTLY <= min(parts, default=1.0) < 1.0:
         yield from drawn
         return
-    for ((place, _), own), shared in zip(alike.items(), met, strict=True):
-        if shared.all():
+    for (place, words), own in alike.items():
+        part = shared[place, words]
+        called = {**own[0].words, "initial": points.SHARED[len(starts) > 2]}
+        names = tuple(one.label for one in own)
+        if not part.any():
             yield from ((place, one) for one in own)
             continue
-        words = {**own[0].words, "initial": points.SHARED[len(starts) > 2]}
-        names = tuple(one.label for one in own)
-        yield place, replace(own[0].only(shared), words=words, names=names)
-        for one in own:
-            yield place, one.only(~shared if place in bare else one.joined_to(~shared))
+        yield place, replace(own[0].only(part), words=called, names=names, way=np.zeros(0))
+        yield from ((place, one.only(~part)) for one in own if (one.known & ~part).any())
 
 
 def _shared(own: Sequence[_Curve], starts: Collection[str]) -> np.ndarray:
     """At which points lines of several starts are one; of what is no line of a start, none."""
     plain = all("initial" in one.words and not one.is_random for one in own)
-    whole = len(own) == len(starts) > 1 and all(one.can_hide(own[0]) for one in own)
-    if not (plain and whole):
-        return np.zeros(1, bool)
+    if not plain or len(own) != len(starts) or not all(one.can_hide(own[0]) for one in own):
+        return np.zeros(own[0].x.size, bool)
     return np.all([one.agrees_with(own[0]) for one in own], axis=0)
 
 
@@ -267,11 +264,12 @@ def _as_one(group: list[tuple[int, _Curve]], starts: Collection[str]) -> list[tu
 
     Those of all `starts` at one place have one.
     """
-    (place, first), names = group[0], tuple(one.label for _, one in group)
+    (place, first), told = group[0], tuple(one.label for _, one in group)
+    names = tuple(chain(*(one.names or (one.label,) for _, one in group)))
     if len(group) == 1 or len({(*one.words,) for _, one in group}) > 1:
         return group
     own = {one.words.get("initial") for _, one in group}
-    if not points.of_all(names):
+    if not points.of_all(told):
         is_one = len({one.without("initial") for _, one in group}) == 1 and len(group) == len(own)
         is_random = any(one.is_random for _, one in group)
         if not is_one or own != starts or is_random:
@@ -377,7 +375,7 @@ def _panel(
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
-        most = 0 if curve.of_crossings else int(crowd)
+        most = 0 if curve.of_crossings and curve.mark is not DOT else int(crowd)
         for named in _each_named(ax, curve, entry, apart, most):
             _plot(ax, curve, shift, named, apart, most, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
@@ -450,11 +448,16 @@ def _plot(
     x, cut, beneath = (np.insert(one, curve.jumps, np.nan) for one in (curve.x, known, hidden))
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
+    way = np.insert(curve.way + shift if curve.way.size else known, curve.jumps, np.nan)
     if not apart:
-        look |= _marked_where_seen(ax, cut, most) if curve.is_marked else {"marker": "None"}
+        look |= _marked_where_seen(ax, way, most) if curve.is_marked else {"marker": "None"}
     if upon.any() and not apart:
         wide = (1 + min(upon.max(), branch.MOST_BENEATH)) * mpl.rcParams["lines.linewidth"]
         ax.plot(x, beneath, ls=dash, lw=wide, color=entry.colour, label=DECORATION)
+    if curve.way.size and not apart:
+        ax.plot([], [], ls=dash, label=label, **look)
+        ax.plot(x, way, ls=dash, label=DECORATION, **{**look, "marker": "None"})
+        dash, label = "none", points.unlisted(label)
     ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
@@ -557,7 +560,7 @@ class _Curve:
     infinite where that is not known. `jumps` are the places at which another class begins. `sort`
     is what `dash` and `mark` mean, where colours mean another thing. A line `of_crossings` has no
     gaps. No error reaches beyond the `limits`, such as 0 and 1 of a share. `names` are the labels
-    of all for which it stands.
+    of all for which it stands. Of a part of a line the `way` leads to its points, too.
     """
 
     words: Mapping[str, str]
@@ -573,6 +576,7 @@ class _Curve:
     of_crossings: bool = False
     limits: tuple[float, float] = (-np.inf, np.inf)
     names: tuple[str, ...] = ()
+    way: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def hides(self, other: _Curve) -> bool:
         """Whether it would lie upon another, mark by mark."""
@@ -593,18 +597,15 @@ class _Curve:
         return np.asarray(np.all([*near, self.open == other.open], axis=0))
 
     def only(self, part: np.ndarray) -> _Curve:
-        """What there is of it at some points."""
+        """What there is of it at some points, and what leads to them from those beside."""
         y, error, low, high = (
             np.where(part, one, np.nan) for one in (self.y, self.error, *self.ends)
         )
-        return replace(self, y=y, error=error, ends=(low, high), open=self.open & part)
-
-    def joined_to(self, part: np.ndarray) -> np.ndarray:
-        """Some points, and those beside them that its line leads to."""
         whole = ~np.isin(np.arange(1, part.size), self.jumps)
-        return np.asarray(
-            part | np.append(part[1:] & whole, False) | np.append(False, part[:-1] & whole)
-        )
+        to, after = np.append(part[1:] & whole, False), np.append(False, part[:-1] & whole)
+        sure = ~self.open & ~self.is_wide
+        way = np.where((part | to | after) & sure, self.y, np.nan)
+        return replace(self, y=y, error=error, ends=(low, high), open=self.open & part, way=way)
 
     @property
     def label(self) -> str:
@@ -621,14 +622,19 @@ class _Curve:
         return points.stem(self.label) != self.label
 
     @property
+    def known(self) -> np.ndarray:
+        """At which points it has a value."""
+        return np.asarray(np.isfinite([self.y, *self.ends]).any(axis=0))
+
+    @property
     def is_known(self) -> bool:
         """Whether it has any value."""
-        return bool(np.isfinite([self.y, *self.ends]).any())
+        return bool(self.known.any())
 
     @property
     def is_marked(self) -> bool:
         """Whether its points have marks."""
-        return not self.of_crossings or self.x.size <= MOST_MARKED
+        return not self.of_crossings or self.mark is DOT or self.x.size <= MOST_MARKED
 
     @property
     def is_wide(self) -> np.ndarray:

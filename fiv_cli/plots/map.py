@@ -447,9 +447,10 @@ def _paint_numbers(
     unsure = _unsure(planes)[MIDDLE]
     if is_count(str(planes.array.name)):  # between one and two there is no number
         values = values.where(~unsure)
-    known = values.where(planes.settled | ~planes.computed).values  # others stretch no shades
-    known = known[np.isfinite(known)]
-    low, high = shades or _ends(known, logarithmic)
+    known = values.values[np.isfinite(values.values)]
+    settled = values.where(planes.settled | ~planes.computed).values
+    settled = settled[np.isfinite(settled)]  # others stretch no shades
+    low, high = shades or _ends(settled if settled.size else known, logarithmic)
     counts = np.arange(low, high + 1.0)
     whole = is_count(str(planes.array.name)) and bool((known == known.round()).all())
     counted = whole and len(counts) <= MOST_COUNTS and not logarithmic

@@ -49,7 +49,7 @@ def variables(subject: Subject) -> list[Variable]:
         count("n_crossings", "changes in the bracket"),
         count("n_runs", "responses computed"),
         count("n_undecided", "responses without an answer"),
-        detail("undecided_reason", "why most of these have none", of="reason"),
+        detail("undecided_reason", "commonest reason why these have none", of="reason"),
         axis("scan", varied.unit, f"{varied.name} looked at first"),
         detail("scan_class", f"{sides} there", "scan", of="attractor"),
         *(_way_back(varied.unit, sides) if subject.settings["follow"] == "both" else ()),
