@@ -234,14 +234,11 @@ def _parted(
     alike: dict[tuple[int, str], list[_Curve]] = {}
     for place, one in drawn:
         alike.setdefault((place, one.without("initial")), []).append(one)
-    known = {key: np.any([one.known for one in own], axis=0) for key, own in alike.items()}
-    shared = {key: known[key] & _shared(own, starts) for key, own in alike.items()}
-    parts = [shared[key].sum() / known[key].sum() for key in alike if known[key].any()]
-    if not MOSTLY <= min(parts, default=1.0) < 1.0:
+    shared = [_shared(own, starts) for own in alike.values()]
+    if not MOSTLY <= min((share for _, share in shared), default=1.0) < 1.0:
         yield from drawn
         return
-    for (place, words), own in alike.items():
-        part = shared[place, words]
+    for ((place, _), own), (part, _) in zip(alike.items(), shared, strict=True):
         called = {**own[0].words, "initial": points.SHARED[len(starts) > 2]}
         names = tuple(one.label for one in own)
         if not part.any():
@@ -251,12 +248,17 @@ def _parted(
         yield from ((place, one.only(~part)) for one in own if (one.known & ~part).any())
 
 
-def _shared(own: Sequence[_Curve], starts: Collection[str]) -> np.ndarray:
-    """At which points lines of several starts are one; of what is no line of a start, none."""
+def _shared(own: Sequence[_Curve], starts: Collection[str]) -> tuple[np.ndarray, float]:
+    """At which points lines of several starts are one, and at what share of those with a value.
+
+    Of what is no line of a start, none.
+    """
     plain = all("initial" in one.words and not one.is_random for one in own)
     if not plain or len(own) != len(starts) or not all(one.can_hide(own[0]) for one in own):
-        return np.zeros(own[0].x.size, bool)
-    return np.all([one.agrees_with(own[0]) for one in own], axis=0)
+        return np.zeros(1, bool), 0.0
+    known = np.any([one.known for one in own], axis=0)
+    part = known & np.all([one.agrees_with(own[0]) for one in own], axis=0)
+    return part, float(part.sum() / known.sum()) if known.any() else 1.0
 
 
 def _as_one(group: list[tuple[int, _Curve]], starts: Collection[str]) -> list[tuple[int, _Curve]]:
@@ -375,7 +377,7 @@ def _panel(
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
-        most = 0 if curve.of_crossings and curve.mark is not DOT else int(crowd)
+        most = 0 if curve.of_crossings else int(crowd)
         for named in _each_named(ax, curve, entry, apart, most):
             _plot(ax, curve, shift, named, apart, most, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
@@ -634,7 +636,7 @@ class _Curve:
     @property
     def is_marked(self) -> bool:
         """Whether its points have marks."""
-        return not self.of_crossings or self.mark is DOT or self.x.size <= MOST_MARKED
+        return not self.of_crossings or self.x.size <= MOST_MARKED
 
     @property
     def is_wide(self) -> np.ndarray:
