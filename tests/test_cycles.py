@@ -62,7 +62,8 @@ def cycle(
     for name in ("transient", "multiplicity", "width"):
         settings |= {name: changes.pop(name)} if name in changes else {}
     if branch is not None:
-        settings |= {"parameter": Varied(branch[0]), "bracket": branch[1:]}
+        varied = Varied(branch[0], changes.pop("followers", ()))
+        settings |= {"parameter": varied, "bracket": branch[1:]}
     return analyse(model, law, "cycle", start or {}, settings, **changes)
 
 
@@ -424,7 +425,26 @@ def test_what_a_multiplier_does_at_the_unit_circle(before: Any, after: Any, kind
         replace(point, cycle=replace(found, multipliers=np.array([1.0, m, np.conj(m), 0.1])))
         for m in (before, after)
     )
-    assert _kind_of_change(here, there) == kind
+    assert _kind_of_change(line, here, there) == kind
+
+
+def test_a_doubled_branch_ends_at_the_flips_of_the_single_one() -> None:
+    """It comes back from there as the same cycle half a period on: no fold."""
+    undamped = {
+        "followers": ("mu_s",),
+        "c1": 0.0,
+        "c2": 0.0,
+        "options": {"states": "all"},
+        "section": TURNING,
+    }
+    lifted = {"start": {"y": 1.0}, "t_max": 1000.0, **undamped}
+    laws = [{"mu_s": mu, "mu_k": mu} for mu in (5.0, 2.5)]
+    doubled = cycle("flutter-2dof", branch=("mu_k", 2.6, 7.0), **laws[0], **lifted)
+    single = cycle("flutter-2dof", branch=("mu_k", 2.4, 3.2), **laws[1], **lifted)
+    assert (doubled.values["multiplicity"], single.values["multiplicity"]) == (2, 1)
+    assert [kind for kind, _ in ends(doubled)] == ["flip", "flip", "closed"]
+    (flip,) = [value for kind, value in ends(single) if kind == "flip"]
+    assert doubled.values["cycle_lowest"] == pytest.approx(flip, abs=2.0 * 4.4e-6)
 
 
 @pytest.mark.parametrize(

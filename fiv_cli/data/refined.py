@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.variables import COMPUTED as RUN
+from fiv_cli.case.report import dotted
 from fiv_cli.data.dataset import Dataset, Labelled
 from fiv_cli.flags import COMPUTED, NOT_COMPUTED, STATUS, reason_code
 
+EVEN = 1e-9  # relative distance of an axis from one that is evenly spaced, at most
 _SAMPLED = [COMPUTED.codes["sampled"], COMPUTED.codes["sampled_and_mislabelled"]]
 
 
@@ -83,3 +85,23 @@ def described(attributes: Mapping[str, Any]) -> str:
         f"{levels} time{'s' * (levels != 1)}: {run} of {run + filled} points run "
         f"({run / max(run + filled, 1):.1%}); {sampled}{share}"
     )
+
+
+def in_full(axes: Mapping[str, Sequence[float] | np.ndarray]) -> str:
+    """What runs every point of a refined map, as words of a command: by its axes, halved."""
+    own = (
+        f"--set '{dotted(('grid', name))}={_as_grid(np.asarray(values))}'"
+        for name, values in axes.items()
+    )
+    return " ".join(["--set 'sweep={}'", *own])
+
+
+def _as_grid(values: np.ndarray) -> str:
+    """An axis as a case gives it: evenly spaced, so on a logarithmic scale, or a list."""
+    first, last, size = float(values[0]), float(values[-1]), len(values)
+    ends = f"start = {first}, stop = {last}, num = {size}"
+    if np.allclose(values, np.linspace(first, last, size), rtol=EVEN, atol=0.0):
+        return f"{{ {ends} }}"
+    if first > 0.0 and np.allclose(values, np.geomspace(first, last, size), rtol=EVEN, atol=0.0):
+        return f'{{ {ends}, scale = "log" }}'
+    return f"{values.tolist()}"

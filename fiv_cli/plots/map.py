@@ -301,7 +301,7 @@ def _overlaid(
 
 def how_run(dataset: xr.Dataset) -> str:
     """How many of the points of a refined map were run, and how far to trust the others."""
-    if "refined_of" not in dataset.attrs:
+    if "refined_of" not in dataset.attrs or "computed" not in dataset:  # taken over its points
         return ""
     names = "run", "sampled", "sampled_and_mislabelled", "filled_in"
     counts = [int(is_class(dataset["computed"], (name,)).sum()) for name in names]

@@ -11,8 +11,7 @@ import numpy as np
 
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
-from fiv_cli.case.report import dotted
-from fiv_cli.data.refined import described
+from fiv_cli.data.refined import described, in_full
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import each_point, over_laws, over_starts, select, shares, small
@@ -34,7 +33,6 @@ if TYPE_CHECKING:
 # Labels of an axis, or values at the only point, that are all listed; of more, the ends.
 MOST_NAMES = 8
 MANY = 50  # points, of which shares are told
-EVEN = 1e-9  # relative distance of an axis from one that is evenly spaced, at most
 
 # Reasons of points that are no motion which went on to its end.
 WITHOUT_MOTION = (*ENDED_EARLY, "no_cycle", "no_return")
@@ -107,19 +105,8 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
 def _runs_the_rest(dataset: xr.Dataset) -> str:
     """What to type to run also the points of a refined map that were filled in."""
     halved = [pair.rsplit(" ", 1)[0] for pair in dataset.attrs["refined_from"].split(", ")]
-    grids = [f"--set '{dotted(('grid', dim))}={_as_grid(dataset[dim].values)}'" for dim in halved]
-    return " ".join([dataset.attrs["history"], "--set 'sweep={}'", *grids, "-o THIS.nc"])
-
-
-def _as_grid(values: np.ndarray) -> str:
-    """An axis as a case gives it: evenly spaced, so on a logarithmic scale, or a list."""
-    first, last, size = float(values[0]), float(values[-1]), len(values)
-    ends = f"start = {first}, stop = {last}, num = {size}"
-    if np.allclose(values, np.linspace(first, last, size), rtol=EVEN, atol=0.0):
-        return f"{{ {ends} }}"
-    if first > 0.0 and np.allclose(values, np.geomspace(first, last, size), rtol=EVEN, atol=0.0):
-        return f'{{ {ends}, scale = "log" }}'
-    return f"{values.tolist()}"
+    every = in_full({dim: dataset[dim].values for dim in halved})
+    return " ".join([dataset.attrs["history"], every, "-o THIS.nc"])
 
 
 def _beginning(dataset: xr.Dataset, settings: Mapping[str, Any]) -> str:

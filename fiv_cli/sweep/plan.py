@@ -27,6 +27,7 @@ from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.physics import is_ambiguous
 from fiv_cli.data.block import KEY_BYTES
 from fiv_cli.data.layout import Dim, Layout
+from fiv_cli.data.refined import in_full
 from fiv_cli.friction import get_law
 from fiv_cli.friction.tabulated import SUFFIX
 from fiv_cli.models import get_model
@@ -304,7 +305,7 @@ class Plan:
         ]
         lines += [
             f"  figure {name}: {variable} is known only where points are run: [sweep] refine "
-            "fills in the class of the others; --set 'sweep={}' -o ANOTHER.nc runs all"
+            f"fills in the class of the others; {_in_full(case)} -o ANOTHER.nc runs all"
             for name, variable in numbers_of_refined(case)
         ]
         guessed = self.size >= MANY and not is_estimated
@@ -448,6 +449,12 @@ def continues(entry: StartEntry | None) -> bool:
 def _laws(case: Case) -> str:
     names = [axis.values for axis in case.axes if axis.kind == "law"]
     return ", ".join(names[0]) if names else case.law
+
+
+def _in_full(case: Case) -> str:
+    """What runs every point of a refined map."""
+    halved = () if case.refinement is None else case.refinement.axes
+    return in_full({axis.name: axis.values for axis in case.axes if axis.name in halved})
 
 
 def _described(analysis: AnalysisPlan) -> list[str]:

@@ -31,11 +31,14 @@ FEW_STEPS = 100_000
 PARTS = (1e-3, 1e-2, 1e-1)
 """Shares of the time of its motions, likewise, ..."""
 
+TELLING = 0.1
+"""... up to the first that takes this share of what a task may."""
+
 WAITING = 20.0
 """Times the limit, which is processor time, for which others may keep a task waiting."""
 
-TELLING = 0.1
-"""... up to the first that takes this share of what a task may."""
+SPENT = 0.5
+"""Share of the limit that a process has spent at least that was ended for it."""
 
 
 class Tried(NamedTuple):
@@ -120,7 +123,8 @@ class Probe:
     def _answer(self, task: Task, limit: float) -> tuple[Result, float] | float:
         """What a task gives, and its processor time, s; the time alone: it was ended.
 
-        One that ended for anything but its own time, as others kept it waiting, is begun once more.
+        One that ended for anything but its own time, as others kept it waiting, is begun once more;
+        so is one whose time was up before that was spent, by a clock that goes in ticks.
         """
         for _ in range(2):
             pipe, before = self._begun() if self._pipe is None else self._pipe, self._spent
@@ -131,7 +135,7 @@ class Probe:
                 result, seconds, self._spent = pipe.recv()
                 return result, seconds
             spent, reason = self._end()
-            if reason == -signal.SIGPROF:
+            if reason == -signal.SIGPROF and spent - before > SPENT * limit:
                 break
         return min(limit, spent - before)
 
@@ -192,11 +196,13 @@ def _serve(pipe: Connection, theirs: Connection, parent: int) -> None:
         while True:
             template, variables, segments, limit = pipe.recv()
             known = template or known
-            begun = time.process_time()
+            begun, began = time.process_time(), time.perf_counter()
             signal.setitimer(signal.ITIMER_PROF, limit)
             signal.setitimer(signal.ITIMER_REAL, WAITING * limit)
             result = run_task(Task(known, variables, segments))
             signal.setitimer(signal.ITIMER_PROF, 0.0)
             signal.setitimer(signal.ITIMER_REAL, 0.0)
-            ended = time.process_time()
-            pipe.send((result, ended - begun, ended))
+            ended, took = time.process_time(), time.perf_counter() - began
+            pipe.send(
+                (result, ended - begun or took, ended)
+            )  # of less than a tick there is no time

@@ -85,6 +85,8 @@ SHRUNK = 1e-2  # a cycle this much smaller than the first one may be about to va
 CLOSE_TO_ONE = 0.05  # a multiplier may pass 1 within a step from there
 ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a real one
 
+DOUBLED = 0.05  # share of its extent by which a doubled cycle misses itself that is about to be one
+
 FLIP, TORUS, FOLD, BRANCHING = "flip", "torus", "fold", "branching"
 GRAZING, CONTACT_LOST, AT_REST, AT_EDGE = "grazing", "contact_lost", "equilibrium", "bracket"
 BUDGET, OTHER, CLOSED = "budget", "other", "closed"
@@ -713,7 +715,7 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
         seen = seen and middle is not None
         length = _aim(here, there, away, beyond=False) if seen else 0.5 * length
     found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
-    width, kind = 0.5 * reach_of(line, here, length), _kind_of_change(here, there)
+    width, kind = 0.5 * reach_of(line, here, length), _kind_of_change(line, here, there)
     if not found:
         return None, here, length
     value = middle_of(line, here, length)
@@ -743,17 +745,29 @@ def _begins_at(line: Continuation, there: Point, here: Point) -> bool:
     return abs(ends[0].value - here.value) <= MEETING * line.span
 
 
-def _kind_of_change(here: Point, there: Point) -> str:
+def _kind_of_change(line: Continuation, here: Point, there: Point) -> str:
     if here.cycle.signature != there.cycle.signature:
         return GRAZING
     if way_of(here) != way_of(there):
-        return FOLD
+        return FLIP if _is_doubled(line, here) else FOLD
     before, after = here.cycle.nontrivial, there.cycle.nontrivial
     crossing = min((*before, *after), key=lambda multiplier: abs(abs(multiplier) - 1.0))
     angle = abs(float(np.angle(crossing)))
     if angle < ON_CIRCLE and abs(crossing.imag) < 1e-6:
         return BRANCHING
     return FLIP if abs(crossing.imag) < 1e-6 else TORUS
+
+
+def _is_doubled(line: Continuation, here: Point) -> bool:
+    """Whether a cycle is nearly another one, of half its period, gone round twice.
+
+    A branch of doubled cycles comes to the flip of that one, and back as the same, half a period on.
+    """
+    problem, half = line.at(here.value), 0.5 * here.cycle.period
+    if problem.excitation and round(here.cycle.period / problem.excitation) % 2:
+        return False
+    later = _later(problem, here.cycle.anchor, half)
+    return later is not None and _distance(here, later.y, here.cycle.anchor.state) < DOUBLED
 
 
 # --- the end of a branch -------------------------------------------------------------------------
