@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from motions import TIGHT, defaults, motion, system
 
+from fiv_cli import api
 from fiv_cli.analyses.attractor.confirm import confirm
 from fiv_cli.analyses.base import Section, Start
 from fiv_cli.analyses.cycles.periodic import Problem
 from fiv_cli.api import analyse
+from fiv_cli.reading.datasets import class_names
+from fiv_cli.sweep.policy import Policy
+from fiv_cli.sweep.progress import Silent
+from fiv_cli.sweep.run import run_case
 
 # Near the end of a window of seven sticks in four periods of the base (Figure 3.6).
 SHAKEN = {"u0": 0.5, "omega": 1.935}
@@ -40,3 +46,23 @@ def test_from_afar_less_is_confirmed_and_the_same() -> None:
         found.append([confirm(problem, shaken, PERIOD, far) for far in (False, True)])
     near, far = ([one is not None for one in each] for each in zip(*found, strict=True))
     assert far == sorted(far) and near == sorted(near) and 0 < sum(far) < sum(near)
+
+
+CASE = {"schema": 1, "analysis": [{"kind": "response", "t_max": 1e4}]}
+HALVED = {
+    "model": {"name": "belt-2mass", "parameters": {"v": 0.225, "N": 12.0}},
+    "friction": {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.1},
+    "initial": [{"label": "belt", "kind": "state", "state": {"x1_dot": "v", "x2_dot": "v"}}],
+}
+TORUS = {"model": {"name": "belt-1dof", "parameters": {"u0": 0.5, "omega": 0.3}}}
+
+
+@pytest.mark.parametrize(("given", "told"), [(HALVED, "undecided"), (TORUS, "quasiperiodic")])
+def test_no_torus_is_told_where_a_cycle_lies_within_what_the_motion_nearly_repeats(
+    given: dict[str, Any], told: str, tmp_path: Path
+) -> None:
+    """Beside a period doubling both masses stick on each turn, so that there can be no torus; the
+    motion comes to a cycle of 24 sticks by 3 % a period. On a torus Newton's method finds none."""
+    run_case(api.load({**CASE, **given}), tmp_path / "a.nc", Policy(workers=1), Silent())
+    found = api.read(tmp_path / "a.nc")["attractor"]
+    assert class_names(found) == [told]

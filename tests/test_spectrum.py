@@ -86,6 +86,18 @@ def test_a_window_shows_noise_with_its_power() -> None:
     assert part["variance_shown"] == pytest.approx(0.5, abs=0.03)
 
 
+@pytest.mark.parametrize("exact", [True, False])
+def test_the_frequency_told_is_that_of_the_largest_bin(exact: bool) -> None:
+    """A bin of three lines may hold more than one that is the largest of all."""
+    time = 40.0 * np.arange(2**13) / 2**13
+    waves = {3.0: 1.0, 3.1: 1.1, 3.2: 1.0, 7.0: 1.4}
+    motion = sum(size * np.sin(2 * pi * f * time + f) for f, size in waves.items())
+    lines = period_lines(motion, 40.0) if exact else window_lines(motion, 40.0)
+    found = on_bins(lines, {"f_max": 10.0, "resolution": 1.0})
+    assert np.argmax(found["amplitude"]) == 3
+    assert found["response_frequency"] == pytest.approx(3.1, abs=0.01)
+
+
 def test_nothing_that_moves_has_no_frequency() -> None:
     for lines in (period_lines(np.ones(64), 1.0), window_lines(np.ones(64), 1.0)):
         found = on_bins(lines, {"f_max": 10.0, "resolution": 1.0})

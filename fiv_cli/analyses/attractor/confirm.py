@@ -20,6 +20,7 @@ from fiv_cli.analyses.cycles.periodic import (
     anchor_at,
     begin,
     least_squares,
+    newton,
     shooting,
     sorted_multipliers,
 )
@@ -51,6 +52,24 @@ def confirm(
         return None
     scales = _scales(guess.scales, len(problem.system.coordinates))
     return _closed(problem, shooting(problem, guess.anchor, guess.period, scales), from_afar)
+
+
+def nearest_cycle(problem: Problem, motion: Motion, period: float) -> float:
+    """Distance to the cycle that Newton's method finds from a motion, over its extent; inf: none.
+
+    Parameters
+    ----------
+    period : after which the motion nearly returns, s
+    """
+    here = anchor_at(problem, motion)
+    now = here.phase / (2 * np.pi) * (problem.excitation or 0.0)
+    guess = guess_between(problem, lambda: begin(problem, here, MOST_EVENTS), now, now + period)
+    if guess is None:
+        return np.inf
+    scales = _scales(guess.scales, len(problem.system.coordinates))
+    conditions = shooting(problem, guess.anchor, guess.period, scales)
+    found = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
+    return np.inf if found is None else float(np.abs(found[0] - conditions.start).max())
 
 
 def _scales(extents: Vector, n_coordinates: int) -> Vector:

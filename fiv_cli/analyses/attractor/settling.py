@@ -24,6 +24,7 @@ SMALLEST = 1e-7  # a state below this share of the largest one is judged by that
 LONGEST = 512  # longest period looked for, in section points: a turn of a disc may hold hundreds
 NEARLY = 1e-4  # a shorter period whose repetition is this close, and improving, is waited for
 FLOOR = 1e-10  # a repetition this close is the noise of integration: its rate says nothing
+LAST, MOST_RETURNS = 8, 100  # points whose nearest return is looked for, and after how many
 DISTINCT = 1e-6  # points of one period lie further apart than this: else the period is shorter
 
 
@@ -185,6 +186,20 @@ _LASTING = Compiled(
 def load_settling(announce: Callable[[str], None]) -> None:
     """Have `settled_period` at hand; `announce` is called with a sentence if it is compiled."""
     _SETTLED.load(announce, "compiling the search for periods (once per user, a few seconds)")
+
+
+def nearest_return(points: NDArray[np.float64]) -> int:
+    """After how many section points the last ones come nearest to where they were.
+
+    Parameters
+    ----------
+    points : as of `settled_period`, four at least
+    """
+    extent = np.ptp(points, axis=0)
+    scales = np.maximum(extent, SMALLEST * extent.max()) + np.finfo(float).tiny
+    after = range(1, max(2, min(len(points) // 4, MOST_RETURNS)))
+    gaps = [np.abs((points[-LAST:] - points[-LAST - n : -n]) / scales).max() for n in after]
+    return 1 + int(np.argmin(gaps))
 
 
 def lasting_period(points: NDArray[np.float64], tolerance: float = SETTLED) -> int:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fiv_cli.analyses.attractor.chaos import regularity, regularity_in_bands
-from fiv_cli.analyses.attractor.confirm import confirm
+from fiv_cli.analyses.attractor.confirm import confirm, nearest_cycle
 from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import (
     CHAOTIC,
@@ -31,6 +31,7 @@ from fiv_cli.analyses.attractor.grounds import (
     EARLY,
     GROWN,
     NEARLY,
+    NEIGHBOUR,
     REGULAR,
     RESTING,
     SIGNIFICANT,
@@ -51,7 +52,12 @@ from fiv_cli.analyses.attractor.own_section import (
     tells_more,
 )
 from fiv_cli.analyses.attractor.rests import Rests, rests_at
-from fiv_cli.analyses.attractor.settling import SETTLED, lasting_period, settled_period
+from fiv_cli.analyses.attractor.settling import (
+    SETTLED,
+    lasting_period,
+    nearest_return,
+    settled_period,
+)
 from fiv_cli.analyses.attractor.stationarity import drift, parting
 from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, Watch, watch_over
 from fiv_cli.analyses.base import EACH, Outcome, Request, Section, Settings
@@ -544,13 +550,13 @@ class _Response:
         if not multiplicity or self.motion.time < n * PASSAGES * self._span(multiplicity):
             return None
         self.n_early += 1
-        for share in range(1, multiplicity + 1):
-            if multiplicity % share == 0:
-                cycle = confirm(self.problem, self.motion, self._span(share), from_afar=True)
-                answer = None if cycle is None else self._measured_cycle(cycle, share, section)
-                if answer is not None:
-                    return answer
-        return None
+        shares = (share for share in range(1, multiplicity + 1) if multiplicity % share == 0)
+        return next(filter(None, (self._far_cycle(share, section) for share in shares)), None)
+
+    def _far_cycle(self, multiplicity: int, section: Section) -> Outcome | None:
+        """The cycle of so many section points that the way from here to is straight."""
+        cycle = confirm(self.problem, self.motion, self._span(multiplicity), from_afar=True)
+        return None if cycle is None else self._measured_cycle(cycle, multiplicity, section)
 
     def _wait(self) -> None:
         """No cycle yet: wait until the section repeats more closely, at last for longer."""
@@ -701,6 +707,13 @@ class _Response:
         if answer is not None:
             return answer
         told, outcome.reason = self._class_of(outcome)
+        if told == "quasiperiodic":
+            near = nearest_return(self._map_points())
+            answer = self._far_cycle(near, self.section)
+            if answer is not None:
+                return answer
+            if nearest_cycle(self.problem, self.motion, self._span(near)) <= NEIGHBOUR:
+                told, outcome.reason = "undecided", "tests_disagree"  # there is none on a torus
         outcome.values["attractor"] = told
         if outcome.reason == "slide_not_decided":  # of a slide so short it is that of the start
             for name in ("lyapunov", "lyapunov_standard_error"):

@@ -761,7 +761,7 @@ def _kind_of_change(line: Continuation, here: Point, there: Point) -> str:
 def _is_doubled(line: Continuation, here: Point) -> bool:
     """Whether a cycle is nearly another one, of half its period, gone round twice.
 
-    A branch of doubled cycles comes to the flip of that one, and back as the same, half a period on.
+    A branch of doubled cycles comes to the flip of that one, and goes back half a period on.
     """
     problem, half = line.at(here.value), 0.5 * here.cycle.period
     if problem.excitation and round(here.cycle.period / problem.excitation) % 2:

@@ -48,13 +48,13 @@ class Lines:
     frequency : Hz, rising, without 0
     square : squared amplitudes, already divided by the bandwidth of the window
     mean : of the motion
-    peak : frequency of the largest line, Hz; NaN where nothing moves
+    weighted : whether they are of a weighted window, in which a sinusoid has several
     """
 
     frequency: Vector
     square: Vector
     mean: float
-    peak: float
+    weighted: bool
 
 
 def steady_spectrum(system: System, request: Request) -> Outcome:
@@ -117,8 +117,7 @@ def period_lines(values: Vector, period: float) -> Lines:
     transformed = np.fft.rfft(values) / len(values)
     square = (2.0 * np.abs(transformed[1:])) ** 2
     frequency = np.arange(1, len(transformed)) / period
-    peak = float(frequency[np.argmax(square)]) if np.any(square > 0.0) else float("nan")
-    return Lines(frequency, square, float(transformed[0].real), peak)
+    return Lines(frequency, square, float(transformed[0].real), weighted=False)
 
 
 def window_lines(values: Vector, length: float) -> Lines:
@@ -129,22 +128,34 @@ def window_lines(values: Vector, length: float) -> Lines:
     transformed = np.fft.rfft((values - mean) * weights)
     square = (2.0 * np.abs(transformed[1:]) / np.sum(weights)) ** 2
     frequency = np.arange(1, len(transformed)) / length
-    return Lines(frequency, square / HANN_BANDWIDTH, mean, _peak(square, length))
+    return Lines(frequency, square / HANN_BANDWIDTH, mean, weighted=True)
 
 
-def _peak(square: Vector, length: float) -> float:
-    """Frequency of the largest line of a Hann window, between the lines, Hz.
+def _peak(lines: Lines, bins: NDArray[np.int64]) -> float:
+    """Frequency of the largest line in the largest bin, Hz; NaN where nothing moves.
+
+    A single line may be the largest of all where a broad band holds more, in each of its bins.
+    """
+    largest = bins == np.argmax(np.bincount(bins, lines.square))
+    top = int(np.argmax(np.where(largest, lines.square, -1.0)))
+    if lines.square[top] <= 0.0:
+        return float("nan")
+    return _between(lines, top) if lines.weighted else float(lines.frequency[top])
+
+
+def _between(lines: Lines, top: int) -> float:
+    """Frequency of a sinusoid from a line of a Hann window and those beside, Hz.
 
     Two neighbouring lines a >= b of a sinusoid stand in the ratio (1 + d)/(2 - d), with d the
     distance from a towards b in lines.
     """
-    if not np.any(square > 0.0):
-        return float("nan")
-    top = int(np.argmax(square))
-    beside = [i for i in (top - 1, top + 1) if 0 <= i < len(square)]
-    second = max(beside, key=lambda i: float(square[i]))
-    ratio = float(np.sqrt(square[second] / square[top]))
-    return float((top + 1 + (second - top) * (2.0 * ratio - 1.0) / (1.0 + ratio)) / length)
+    beside = [i for i in (top - 1, top + 1) if 0 <= i < len(lines.square)]
+    second = max(beside, key=lambda i: float(lines.square[i]))
+    if lines.square[second] > lines.square[top]:  # its bin ends between them
+        top, second = second, top
+    ratio = float(np.sqrt(lines.square[second] / lines.square[top]))
+    share = (second - top) * (2.0 * ratio - 1.0) / (1.0 + ratio)
+    return float((top + 1 + share) * lines.frequency[0])
 
 
 def on_bins(lines: Lines, settings: Settings) -> dict[str, object]:
@@ -157,7 +168,7 @@ def on_bins(lines: Lines, settings: Settings) -> dict[str, object]:
     return {
         "amplitude": np.sqrt(square),
         "mean": lines.mean,
-        "response_frequency": lines.peak,
+        "response_frequency": _peak(lines, place),
         "variance_shown": float(np.sum(square)) / total if total > 0.0 else 1.0,
     }
 
