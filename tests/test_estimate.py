@@ -180,6 +180,15 @@ def test_a_process_that_others_end_or_keep_waiting_is_begun_once_more(
     assert (tmp_path / "met").exists()
 
 
+def test_points_that_take_less_than_a_tick_of_the_clock_take_some_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of none it was told that they take at least 0 s, and so may take more than an hour."""
+    monkeypatch.setattr("fiv_cli.sweep.probe.time.process_time", lambda: 0.0)
+    with Probe(5.0) as probe:
+        assert 0.0 < probe.run(part_of_few_steps(endless())).most < 5.0
+
+
 def ended_first(met: Path, task: Task) -> Result:
     """Run a task; the first process that is asked to is ended as by the alarm."""
     if not met.exists():

@@ -486,10 +486,10 @@ def test_each_file_of_a_figure_selects_what_its_own_figure_of_that_name_does(ask
 
 @pytest.mark.parametrize(
     ("step", "kind", "breaks"),
-    [(0.1, "multiplicity", 1), (0.1, "stick_fraction", 1), (0.0, "multiplicity", 0), (0.1, "", 0)],
+    [(0.1, "multiplicity", 1), (0.1, "stick_fraction", 1), (0.0, "multiplicity", 0), (0.01, "", 1)],
 )
 def test_a_curve_breaks_where_it_steps_to_a_cycle_of_another_kind(step, kind, breaks):
-    """Of another period, or with another contact in stick; not where it goes on through grazing."""
+    """Or with another contact in stick, or leaps; not where it goes on through grazing."""
     dataset = data.bifurcation().isel(initial=[0], Omega=slice(0, 10))
     later = np.arange(10) >= 5
     dataset["L_s"].values[:, 0] = 1e-3 * np.arange(10) + step * later
@@ -503,7 +503,7 @@ def test_a_curve_does_not_break_where_no_leap_is_seen():
     """Where both of two contacts stick at once, for the share of time that each sticks."""
     shares = np.array([0.0, 0.0, 0.0, 0.8821, 0.8835, 0.8833, 0.8832])
     kinds = np.array([1.0, 1.0, 1.0, 3.0, 2.0, 2.0, 2.0])
-    assert np.flatnonzero(curve._changes_kind(shares, kinds, False)).tolist() == [2]
+    assert np.flatnonzero(curve._leaps(shares, kinds, (0.0, 0.8835), False)).tolist() == [2]
 
 
 @pytest.mark.parametrize(("far", "asked"), [(0.3, {}), (1.6, {}), (1.6, {"ylim": [0.05, 0.1]})])
@@ -521,10 +521,24 @@ def test_a_leap_to_a_cycle_of_one_point_is_one_whatever_else_a_panel_shows(far, 
     assert (line.get_marker() == "None") == bool(asked)
 
 
+@pytest.mark.parametrize(
+    ("to", "breaks"),
+    [
+        (5.0 + 0.1 * np.arange(8), [7]),
+        (1.0 + np.sqrt(np.arange(1.0, 9.0)), []),
+        (1.5 + 0.0 * np.arange(8), []),
+    ],
+)
+def test_a_leap_within_a_kind_breaks_a_curve_but_no_steep_beginning(to, breaks):
+    heights = np.array([*(1.0 + 0.01 * np.arange(8)), *to])
+    leaps = curve._leaps(heights, np.ones(16), (1.0, 6.0), False)
+    assert np.flatnonzero(leaps).tolist() == breaks
+
+
 @pytest.mark.parametrize(("log", "breaks"), [(False, 0), ("y", 1)])
 def test_a_leap_of_decades_is_seen_on_a_logarithmic_axis_alone(log, breaks):
     dataset = data.bifurcation().isel(initial=[0], Omega=slice(0, 8))
-    dataset["L_s"].values[:, 0] = [1e-4, 1.1e-4, 1.2e-4, 1e-2, 1.1e-2, 1.2e-2, 0.9, 1.0]
+    dataset["L_s"].values[:, 0] = [1e-4, 1.1e-4, 1.2e-4, 1e-2, 2e-2, 4e-2, 0.3, 1.0]
     dataset["multiplicity"] = dataset["status"].copy(data=1 + (np.arange(8) >= 3)[:, None])
     line = draw(dataset, figure("curve", variable="L_s", log=log)).axes[0].lines[0]
     assert np.isnan(line.get_ydata()).sum() == breaks
@@ -610,6 +624,16 @@ def test_the_dots_of_one_start_have_an_entry_where_there_is_a_legend():
     far = draw(data.bifurcation(), figure("bifurcation", select={"initial": "far"})).axes[0]
     told = {"start: far", "failed", "undecided", "values where undecided"}
     assert {*legend_texts(far)} == told
+
+
+def test_neutral_equilibria_of_what_is_undamped_are_lines_of_their_own():
+    analyses = with_eigenvalues()
+    stable = analyses["eigenvalues"]["stable"]
+    words = {"stable": "neutral"}
+    told = [words.get(word, word) for word in stable.attrs["flag_meanings"].split()]
+    stable.attrs["flag_meanings"] = " ".join(told)
+    (ax,) = draw(analyses, figure("bifurcation", select={"initial": "near"})).axes
+    assert {"neutral equilibrium", "unstable equilibrium"} < {*legend_texts(ax)}
 
 
 def test_what_is_undecided_has_a_key_of_the_colours_that_it_has():
@@ -2683,6 +2707,9 @@ def test_a_map_counts_the_filled_in_points_of_what_it_shows():
     (told,) = (text for text in legend_texts(drawn) if "filled in" in text)
     assert "3 filled in (the class alone)" in told
     assert "50.0% of 6 points run, 0 of 1 sampled mislabelled" in drawn.get_suptitle()
+    take = {"what": "classes", "over": "N0"}  # which leaves no point that was run
+    over = figure("map", x="mu_k", y="Omega", variable="attractor", take=take)
+    assert "points run" not in draw(found, over).get_suptitle()
 
 
 def test_a_table_holds_the_error_bars_that_are_known():

@@ -11,6 +11,7 @@ import itertools
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,7 +46,7 @@ SECTION_WORDS = {
     "turning_point": "a turning point",
     "impact": "an impact",
 }
-EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1)}
+EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
 SAME = 1e-6  # relative distance of values of one motion
 ALIKE = 1e-3  # of heights that are the same in a figure
 
@@ -667,7 +668,7 @@ def _heights(
 
 def _all_of(equilibria: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """The heights of equilibria of every word."""
-    return equilibria["stable"].fillna(equilibria["unstable"])
+    return reduce(lambda one, other: one.fillna(other), equilibria.values())
 
 
 def _draw_equilibria(

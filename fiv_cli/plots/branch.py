@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -72,8 +73,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     named = [
         (points.joined(layer.label, line.label), layer.dataset, line.index)
         for layer in layers
-        for line in points.lines(layer.dataset, [], points.grid_dims(layer.dataset))
-        if _length(layer.dataset, line.index)
+        for line in _each_once(layer.dataset)
     ]
     points.refuse_empty(first, bool(named), ALONG)
     figure, (ax,) = style.new_panels(1, 1, points.title(*(one.dataset for one in layers)))
@@ -91,6 +91,25 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     points.scale(ax, settings)
     points.legend([ax])
     return figure
+
+
+def _each_once(dataset: xr.Dataset) -> Iterator[points.Line]:
+    """Every branch of a dataset; what all starts lead to once, as theirs."""
+    lines = points.lines(dataset, [], points.grid_dims(dataset))
+    every = [line for line in lines if _length(dataset, line.index)]
+    beside: dict[tuple[tuple[str, int], ...], list[points.Line]] = {}
+    for line in every:
+        rest = tuple((dim, at) for dim, at in line.index.items() if dim != "initial")
+        beside.setdefault(rest, []).append(line)
+    count = dataset.sizes.get("initial", 1)
+    for own in beside.values():
+        first, *others = (_line(dataset, line.index) for line in own)
+        same = all(_lies_on(first, one) and _lies_on(one, first) for one in others)
+        shared = {"initial": points.SHARED[count > 2]}
+        if len(own) == count > 1 and same:
+            yield replace(own[0], words={**own[0].words, **shared})
+        else:
+            yield from own
 
 
 def _branch(

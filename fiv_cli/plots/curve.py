@@ -61,7 +61,8 @@ MOSTLY = 0.9  # of their points, at which lines of all starts are one, but for w
 MOST_COMPARED = 100  # lines that may lie on one another
 SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
-STEP = 3.0  # times those beside it: a step that no curve takes
+STEP = 3.0  # times those beside it: a step that no curve takes ...
+LEAP = 6.0  # ... or within a kind of cycle, where a square root begins steeply
 # Shares of its range by which a line leaps at least where it breaks; beside a kind of one
 # point, or at an end, where a step has none beside it: or a share of the lesser of both values.
 SEEN, SEEN_ALONE, GROWN = 0.02, 0.25, 0.5
@@ -426,7 +427,8 @@ def _upon(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry])
     alike = entry.dash == beneath.dash and entry.colour != beneath.colour and not one.sort
     if not alike or not np.array_equal(one.x, other.x):
         return np.zeros(other.x.size, int)
-    met = np.pad(np.isclose(one.y, other.y, rtol=UPON, atol=0.0) & ~one.open & ~one.is_wide, 1)
+    seen = (one.y != 0.0) & ~one.open & ~one.is_wide  # along the axis wide lines would be bars
+    met = np.pad(np.isclose(one.y, other.y, rtol=UPON, atol=0.0) & seen, 1)
     return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
 
 
@@ -689,7 +691,7 @@ def _curves(
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
-        apart |= _changes_kind(y, kind, logarithmic)
+        apart |= _leaps(y, kind, points.shown_of(settings, "y", y), logarithmic)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
@@ -716,11 +718,15 @@ def _kinds(dataset: xr.Dataset) -> xr.DataArray:
     return passages.fillna(0.0) + MANY * sticks
 
 
-def _changes_kind(y: np.ndarray, kinds: np.ndarray, logarithmic: bool) -> np.ndarray:
+def _leaps(
+    y: np.ndarray, kinds: np.ndarray, shown: tuple[float, float], logarithmic: bool
+) -> np.ndarray:
     """Between which neighbours a line steps by more than beside it, to a cycle of another kind.
 
     Where a cycle gains a stick on its way the line goes on. Steps are compared with those within a
-    kind: beside them, else the median of all. No value elsewhere decides on a step that is seen.
+    kind: beside them, else the median of all. No value elsewhere decides on a step that is seen,
+    where `shown` are the least and the greatest that are. To a cycle of the same kind it is one
+    that leaps by more than the steps on both sides of it, whatever they do.
     """
     height = np.log10(np.where(y > 0.0, y, np.nan)) if logarithmic else y
     steps, differ = np.abs(np.diff(height)), kinds[1:] != kinds[:-1]
@@ -731,8 +737,10 @@ def _changes_kind(y: np.ndarray, kinds: np.ndarray, logarithmic: bool) -> np.nda
     beside, is_alone = np.fmax(known[:-2], known[2:]), np.isnan(known[:-2] + known[2:])
     beside = np.where(np.isnan(beside), np.median(within), beside)
     grown = np.abs(np.diff(y)) > GROWN * np.minimum(np.abs(y[1:]), np.abs(y[:-1]))
-    least = np.where(is_alone & ~grown, SEEN_ALONE, SEEN) * np.ptp(height[np.isfinite(height)])
-    return np.asarray(differ & (steps > np.maximum(STEP * beside, least)))
+    extent = float(np.ptp(np.log10(shown) if logarithmic else shown))
+    least = np.where(is_alone & ~grown, SEEN_ALONE, SEEN) * extent
+    least = np.maximum(np.where(differ, STEP, LEAP) * beside, least)
+    return np.asarray((differ | (grown & ~is_alone)) & (steps > least))
 
 
 def _narrowed(

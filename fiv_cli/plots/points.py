@@ -240,6 +240,16 @@ def is_logarithmic(settings: Settings, which: str) -> bool:
     return which in ("xy" if log is True else str(log))
 
 
+def shown_of(settings: Settings, which: str, values: np.ndarray) -> tuple[float, float]:
+    """The least and the greatest of some values that a figure shows; of none (1, 1)."""
+    drawn = np.isfinite(values) & ((values > 0.0) | (not is_logarithmic(settings, which)))
+    limits: Any = settings.get("xlim" if which == "x" else "ylim", (-np.inf, np.inf))
+    low, high = sorted(map(in_si, limits))
+    within = values[drawn & (low <= values) & (values <= high)]
+    known = within if within.size else values[drawn]
+    return (float(known.min()), float(known.max())) if known.size else (1.0, 1.0)
+
+
 def _scale_to_view(ax: Axes) -> None:
     """Let the ordinate reach over what marks and lines have between the limits of x."""
     collections = [one for one in ax.collections if isinstance(one, LineCollection)]
