@@ -2707,7 +2707,7 @@ def test_a_map_counts_the_filled_in_points_of_what_it_shows():
     (told,) = (text for text in legend_texts(drawn) if "filled in" in text)
     assert "3 filled in (the class alone)" in told
     assert "50.0% of 6 points run, 0 of 1 sampled mislabelled" in drawn.get_suptitle()
-    take = {"what": "classes", "over": "N0"}  # which leaves no point that was run
+    take = {"what": "classes", "over": ["N0"]}  # which leaves no point that was run
     over = figure("map", x="mu_k", y="Omega", variable="attractor", take=take)
     assert "points run" not in draw(found, over).get_suptitle()
 
