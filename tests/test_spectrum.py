@@ -86,6 +86,15 @@ def test_a_window_shows_noise_with_its_power() -> None:
     assert part["variance_shown"] == pytest.approx(0.5, abs=0.03)
 
 
+@pytest.mark.parametrize("first", [3.4875, 3.5125])
+def test_the_frequency_told_is_that_of_the_larger_of_two_sinusoids(first: float) -> None:
+    """Though an edge of a bin splits it between two."""
+    time = 40.0 * np.arange(2**13) / 2**13
+    motion = np.sin(2 * pi * first * time + 1.0) + 0.75 * np.sin(2 * pi * 7.0 * time)
+    found = on_bins(window_lines(motion, 40.0), {"f_max": 10.0, "resolution": 1.0})
+    assert found["response_frequency"] == pytest.approx(first, abs=1e-3)
+
+
 @pytest.mark.parametrize("exact", [True, False])
 def test_the_frequency_told_is_that_of_the_largest_bin(exact: bool) -> None:
     """A bin of three lines may hold more than one that is the largest of all."""

@@ -104,7 +104,7 @@ def _each_once(dataset: xr.Dataset) -> Iterator[points.Line]:
     count = dataset.sizes.get("initial", 1)
     for own in beside.values():
         first, *others = (_line(dataset, line.index) for line in own)
-        same = all(_lies_on(first, one) and _lies_on(one, first) for one in others)
+        same = all(_lies_on(*pair, 1.0) for one in others for pair in ((first, one), (one, first)))
         shared = {"initial": points.SHARED[count > 2]}
         if len(own) == count > 1 and same:
             yield replace(own[0], words={**own[0].words, **shared})
@@ -120,7 +120,8 @@ def _branch(
     That of an earlier start is wider where later ones lead to one and the same.
     """
     pieces = [*stretches(dataset, index)]
-    wide = mpl.rcParams["lines.linewidth"] * (1 + min(_upon(dataset, index), MOST_BENEATH))
+    upon = 0 if entry.label.endswith(points.SHARED) else _upon(dataset, index)
+    wide = mpl.rcParams["lines.linewidth"] * (1 + min(upon, MOST_BENEATH))
     for word, value, extremes, _ in pieces:
         for height in extremes:
             told = points.unlisted(entry.label, word)
@@ -143,8 +144,8 @@ def _line(dataset: xr.Dataset, index: Mapping[str, int]) -> np.ndarray:
     return np.vstack(_heights(dataset, index, at_section=False)).T
 
 
-def _lies_on(own: np.ndarray, other: np.ndarray) -> bool:
-    """Whether most cycles of a branch lie on the line through those of another."""
+def _lies_on(own: np.ndarray, other: np.ndarray, share: float = 0.5) -> bool:
+    """Whether so many cycles of a branch, or more, lie on the line through those of another."""
     if not len(own) or len(other) < 2:
         return False
     both = np.vstack([own, other])
@@ -153,9 +154,9 @@ def _lies_on(own: np.ndarray, other: np.ndarray) -> bool:
     own, other = own[:: 1 + len(own) // MOST_COMPARED] / extent, other / extent
     away, steps = own[:, None] - other[:-1], np.diff(other, axis=0)
     lengths = np.maximum((steps**2).sum(axis=-1), np.finfo(float).tiny)
-    share = np.clip((away * steps).sum(axis=-1) / lengths, 0.0, 1.0)
-    off = np.linalg.norm(away - share[..., None] * steps, axis=-1).min(axis=1)
-    return bool((off < UPON).mean() > 0.5)
+    along = np.clip((away * steps).sum(axis=-1) / lengths, 0.0, 1.0)
+    off = np.linalg.norm(away - along[..., None] * steps, axis=-1).min(axis=1)
+    return bool((off < UPON).mean() >= share)
 
 
 def draw_marks(

@@ -33,6 +33,7 @@ SETTLED = 1e-10  # last correction, over the extent of the motion
 SLOW = 0.1  # a chord step that leaves more than this of the last one asks for a new derivative
 FAINT = 1e-3  # a displacement (velocity) below this share of the largest is judged by that
 ON_IT = 1e-8  # distance from the cycle that multipliers do not notice
+ATTRACTING = 1.0 - 1e-5  # largest multiplier of a cycle that attracts, and is not neutral
 ROUNDING = 1e-9  # of the extent: a distance that says nothing
 
 
@@ -54,22 +55,27 @@ def confirm(
     return _closed(problem, shooting(problem, guess.anchor, guess.period, scales), from_afar)
 
 
-def nearest_cycle(problem: Problem, motion: Motion, period: float) -> float:
-    """Distance to the cycle that Newton's method finds from a motion, over its extent; inf: none.
+def is_drawn_to_cycle(problem: Problem, motion: Motion, period: float) -> bool:
+    """Whether Newton's method finds a cycle that attracts, beside a motion that nearly returns.
+
+    Within a torus there may be one that repels, or is neutral.
 
     Parameters
     ----------
-    period : after which the motion nearly returns, s
+    period : after which it nearly returns, s
     """
     here = anchor_at(problem, motion)
     now = here.phase / (2 * np.pi) * (problem.excitation or 0.0)
     guess = guess_between(problem, lambda: begin(problem, here, MOST_EVENTS), now, now + period)
     if guess is None:
-        return np.inf
+        return False
     scales = _scales(guess.scales, len(problem.system.coordinates))
     conditions = shooting(problem, guess.anchor, guess.period, scales)
     found = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
-    return np.inf if found is None else float(np.abs(found[0] - conditions.start).max())
+    if found is None or np.abs(found[0] - conditions.start).max() > NEIGHBOUR:
+        return False
+    around = conditions.around(problem, found[0])
+    return around is not None and _orbit(problem, conditions, found[0], around).largest < ATTRACTING
 
 
 def _scales(extents: Vector, n_coordinates: int) -> Vector:
@@ -135,16 +141,21 @@ def _own(
     problem: Problem, conditions: Shooting, unknowns: Vector, first: Passage, last: Passage
 ) -> Orbit | None:
     """The cycle gone round in `last`, where the motion itself, gone on in `first`, comes to it."""
-    multipliers = sorted_multipliers(last.monodromy)
-    residual = _distance(last.state, last.begun, conditions.scales)
-    anchor, period = conditions.anchor_of(unknowns), conditions.period_of(problem, unknowns)
-    orbit = Orbit(anchor, period, residual, multipliers, autonomous=problem.excitation is None)
+    orbit = _orbit(problem, conditions, unknowns, last)
     gap = _distance(first.state, first.begun, conditions.scales)
     moved = float(np.abs(unknowns - conditions.start).max())
     same = first.events == last.events
     allowed = max(REACH * gap / max(1.0 - orbit.largest, 1e-300), ROUNDING)
-    close = moved <= min(allowed, NEIGHBOUR) and residual <= CLOSED
+    close = moved <= min(allowed, NEIGHBOUR) and orbit.residual <= CLOSED
     return orbit if orbit.stable and same and close else None
+
+
+def _orbit(problem: Problem, conditions: Shooting, unknowns: Vector, around: Passage) -> Orbit:
+    """The cycle that is gone round in `around`."""
+    residual = _distance(around.state, around.begun, conditions.scales)
+    anchor, period = conditions.anchor_of(unknowns), conditions.period_of(problem, unknowns)
+    multipliers = sorted_multipliers(around.monodromy)
+    return Orbit(anchor, period, residual, multipliers, autonomous=problem.excitation is None)
 
 
 def _distance(one: Vector, other: Vector, scales: Vector) -> float:

@@ -43,8 +43,8 @@ what is left within bands visited in turn). On a torus, moreover, neighbours
 neither approach nor part: between the halves the logarithm of their distance changes by no more
 than `WANDERING` times what its partial sums explain, and that is no more than `STEADY`: a spiral
 that is taken for a torus would need fifty times the window to come in by a factor e. And from where
-the section nearly returns Newton's method finds no cycle within `NEIGHBOUR`, as it does beside one
-that is approached slower than all this can tell.
+the section nearly returns Newton's method finds no cycle within `NEIGHBOUR` that attracts, as it
+does beside one that is approached slower than all this can tell.
 """
 
 from __future__ import annotations

@@ -193,7 +193,7 @@ def nearest_return(points: NDArray[np.float64]) -> int:
 
     Parameters
     ----------
-    points : as of `settled_period`, four at least
+    points : as of `settled_period`, twice `LAST` at least
     """
     extent = np.ptp(points, axis=0)
     scales = np.maximum(extent, SMALLEST * extent.max()) + np.finfo(float).tiny

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fiv_cli.analyses.attractor.chaos import regularity, regularity_in_bands
-from fiv_cli.analyses.attractor.confirm import confirm, nearest_cycle
+from fiv_cli.analyses.attractor.confirm import confirm, is_drawn_to_cycle
 from fiv_cli.analyses.attractor.descent import Descent
 from fiv_cli.analyses.attractor.grounds import (
     CHAOTIC,
@@ -31,7 +31,6 @@ from fiv_cli.analyses.attractor.grounds import (
     EARLY,
     GROWN,
     NEARLY,
-    NEIGHBOUR,
     REGULAR,
     RESTING,
     SIGNIFICANT,
@@ -712,8 +711,8 @@ class _Response:
             answer = self._far_cycle(near, self.section)
             if answer is not None:
                 return answer
-            if nearest_cycle(self.problem, self.motion, self._span(near)) <= NEIGHBOUR:
-                told, outcome.reason = "undecided", "tests_disagree"  # there is none on a torus
+            if is_drawn_to_cycle(self.problem, self.motion, self._span(near)):
+                told, outcome.reason = "undecided", "time_budget"
         outcome.values["attractor"] = told
         if outcome.reason == "slide_not_decided":  # of a slide so short it is that of the start
             for name in ("lyapunov", "lyapunov_standard_error"):

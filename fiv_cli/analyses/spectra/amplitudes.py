@@ -131,13 +131,16 @@ def window_lines(values: Vector, length: float) -> Lines:
     return Lines(frequency, square / HANN_BANDWIDTH, mean, weighted=True)
 
 
-def _peak(lines: Lines, bins: NDArray[np.int64]) -> float:
-    """Frequency of the largest line in the largest bin, Hz; NaN where nothing moves.
+def _peak(lines: Lines, width: float) -> float:
+    """Frequency of the largest line in the largest band of a bin's width, Hz; NaN: nothing moves.
 
-    A single line may be the largest of all where a broad band holds more, in each of its bins.
+    A single line may be the largest of all where a broad band holds more, in each of its bins. No
+    edge of a bin splits a band.
     """
-    largest = bins == np.argmax(np.bincount(bins, lines.square))
-    top = int(np.argmax(np.where(largest, lines.square, -1.0)))
+    ends = np.searchsorted(lines.frequency, lines.frequency + width)
+    total = np.insert(np.cumsum(lines.square), 0, 0.0)
+    first = int(np.argmax(total[ends] - total[:-1]))
+    top = first + int(np.argmax(lines.square[first : ends[first]]))
     if lines.square[top] <= 0.0:
         return float("nan")
     return _between(lines, top) if lines.weighted else float(lines.frequency[top])
@@ -151,7 +154,7 @@ def _between(lines: Lines, top: int) -> float:
     """
     beside = [i for i in (top - 1, top + 1) if 0 <= i < len(lines.square)]
     second = max(beside, key=lambda i: float(lines.square[i]))
-    if lines.square[second] > lines.square[top]:  # its bin ends between them
+    if lines.square[second] > lines.square[top]:  # the band ends between them
         top, second = second, top
     ratio = float(np.sqrt(lines.square[second] / lines.square[top]))
     share = (second - top) * (2.0 * ratio - 1.0) / (1.0 + ratio)
@@ -168,7 +171,7 @@ def on_bins(lines: Lines, settings: Settings) -> dict[str, object]:
     return {
         "amplitude": np.sqrt(square),
         "mean": lines.mean,
-        "response_frequency": _peak(lines, place),
+        "response_frequency": _peak(lines, width),
         "variance_shown": float(np.sum(square)) / total if total > 0.0 else 1.0,
     }
 

@@ -52,7 +52,11 @@ def variables(subject: Subject) -> list[Variable]:
             "lines of a period, or a Hann window where the motion is not periodic",
         ),
         Variable("mean", unit, f"mean of {observed}"),
-        Variable("response_frequency", "Hz", "frequency of the largest amplitude"),
+        Variable(
+            "response_frequency",
+            "Hz",
+            "frequency of the largest line in the largest band of a bin's width",
+        ),
         Variable("variance_shown", "1", "share of the mean square that lies below f_max"),
         PERIOD,
         MULTIPLICITY,
