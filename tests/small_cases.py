@@ -42,9 +42,6 @@ ENDLESS = (
     .replace("start = 0.5, stop = 2.0, num = 10", "start = 2.0, stop = 3.0, num = 2")
     .replace("num = 120", "num = 2")
     .replace("x = 10.0", "x = 0.5")
-    .replace(
-        "[[initial]]",
-        "[solver]\nmax_steps = 1000000000000\nmax_events = 1000000000000\n[[initial]]",
-    )
+    .replace("[[initial]]", "[solver]\nmax_steps = 1000000000000\n[[initial]]")
 )
 """Four points that slide for ever: no event brings them back to Python."""
