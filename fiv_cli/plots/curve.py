@@ -125,8 +125,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
         lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
         if not all(curve.of_crossings for curve, _ in lines):
-            plain = [replace(c, mark=DOT) if c.of_crossings and not c.sort else c for c, _ in lines]
-            lines = [*zip(plain, (entry for _, entry in lines), strict=True)]
+            lines = [(curve.marked_as_others(), entry) for curve, entry in lines]
         barred = _panel(ax, own, lines, numeric, points.is_logarithmic(settings, "y"))
         sampled = (_is_of_a_sample(one.dataset, name) for name in own for one in along[name])
         if barred and any(sampled):
@@ -582,6 +581,10 @@ class _Curve:
     names: tuple[str, ...] = ()
     way: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
+    def marked_as_others(self) -> _Curve:
+        """The same; of crossings whose mark tells nothing, with that of other lines."""
+        return replace(self, mark=DOT) if self.of_crossings and not self.sort else self
+
     def hides(self, other: _Curve) -> bool:
         """Whether it would lie upon another, mark by mark."""
         if not self.can_hide(other) or [*self.jumps] != [*other.jumps]:
@@ -691,7 +694,7 @@ def _curves(
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
-        apart |= _leaps(y, kind, points.shown_of(settings, "y", y), logarithmic)
+        apart |= _leaps(y, kind, points.shown_of(settings, y), logarithmic)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)

@@ -240,13 +240,12 @@ def is_logarithmic(settings: Settings, which: str) -> bool:
     return which in ("xy" if log is True else str(log))
 
 
-def shown_of(settings: Settings, which: str, values: np.ndarray) -> tuple[float, float]:
-    """The least and the greatest of some values that a figure shows; of none (1, 1)."""
-    drawn = np.isfinite(values) & ((values > 0.0) | (not is_logarithmic(settings, which)))
-    limits: Any = settings.get("xlim" if which == "x" else "ylim", (-np.inf, np.inf))
-    low, high = sorted(map(in_si, limits))
-    within = values[drawn & (low <= values) & (values <= high)]
-    known = within if within.size else values[drawn]
+def shown_of(settings: Settings, heights: np.ndarray) -> tuple[float, float]:
+    """The least and the greatest of some heights that a figure shows; of none (1, 1)."""
+    drawn = np.isfinite(heights) & ((heights > 0.0) | (not is_logarithmic(settings, "y")))
+    low, high = sorted(map(in_si, settings.get("ylim", (-np.inf, np.inf))))
+    within = heights[drawn & (low <= heights) & (heights <= high)]
+    known = within if within.size else heights[drawn]
     return (float(known.min()), float(known.max())) if known.size else (1.0, 1.0)
 
 

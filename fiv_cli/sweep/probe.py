@@ -203,6 +203,5 @@ def _serve(pipe: Connection, theirs: Connection, parent: int) -> None:
             signal.setitimer(signal.ITIMER_PROF, 0.0)
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             ended, took = time.process_time(), time.perf_counter() - began
-            pipe.send(
-                (result, ended - begun or took, ended)
-            )  # of less than a tick there is no time
+            spent = ended - begun or took  # less than a tick of the processor's clock is none
+            pipe.send((result, spent, ended))

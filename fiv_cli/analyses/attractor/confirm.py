@@ -46,13 +46,8 @@ def confirm(
     ----------
     from_afar : whether the motion hardly repeats yet, so that the way there must be straight
     """
-    here = anchor_at(problem, motion)
-    now = here.phase / (2 * np.pi) * (problem.excitation or 0.0)
-    guess = guess_between(problem, lambda: begin(problem, here, MOST_EVENTS), now, now + period)
-    if guess is None:
-        return None
-    scales = _scales(guess.scales, len(problem.system.coordinates))
-    return _closed(problem, shooting(problem, guess.anchor, guess.period, scales), from_afar)
+    conditions = _conditions(problem, motion, period)
+    return None if conditions is None else _closed(problem, conditions, from_afar)
 
 
 def is_drawn_to_cycle(problem: Problem, motion: Motion, period: float) -> bool:
@@ -64,18 +59,25 @@ def is_drawn_to_cycle(problem: Problem, motion: Motion, period: float) -> bool:
     ----------
     period : after which it nearly returns, s
     """
-    here = anchor_at(problem, motion)
-    now = here.phase / (2 * np.pi) * (problem.excitation or 0.0)
-    guess = guess_between(problem, lambda: begin(problem, here, MOST_EVENTS), now, now + period)
-    if guess is None:
+    conditions = _conditions(problem, motion, period)
+    if conditions is None:
         return False
-    scales = _scales(guess.scales, len(problem.system.coordinates))
-    conditions = shooting(problem, guess.anchor, guess.period, scales)
     found = newton(lambda unknowns: conditions.conditions(problem, unknowns), conditions.start)
     if found is None or np.abs(found[0] - conditions.start).max() > NEIGHBOUR:
         return False
     around = conditions.around(problem, found[0])
     return around is not None and _orbit(problem, conditions, found[0], around).largest < ATTRACTING
+
+
+def _conditions(problem: Problem, motion: Motion, period: float) -> Shooting | None:
+    """What closes a motion after `period` (s); None where it does not last."""
+    here = anchor_at(problem, motion)
+    now = here.phase / (2 * np.pi) * (problem.excitation or 0.0)
+    guess = guess_between(problem, lambda: begin(problem, here, MOST_EVENTS), now, now + period)
+    if guess is None:
+        return None
+    scales = _scales(guess.scales, len(problem.system.coordinates))
+    return shooting(problem, guess.anchor, guess.period, scales)
 
 
 def _scales(extents: Vector, n_coordinates: int) -> Vector:
