@@ -82,6 +82,25 @@ def test_an_undamped_slide_is_neutral() -> None:
     assert found.values["L_s"] == pytest.approx(0.3**2 / 2, rel=1e-8)
 
 
+@pytest.mark.parametrize("friction", [0.35, 0.36])
+def test_an_undamped_slide_is_neutral_once_its_last_landing_is_over(friction: float) -> None:
+    """Landings come ever more seldom, up to 772 s; then two frequencies beat."""
+    changes = {"k1": 1.0, "k2": 1.0, "k3": 4.0 / 3.0, "alpha1": np.pi / 4.0, "alpha2": 0.0, "v": 0.5}
+    settings = {"section": Section("zero", state="x_dot", direction="up"), "t_max": 3000.0}
+    for offset in ({"x": 2.0, "y": -0.5}, {"x": 1e-3}):
+        found = analyse(
+            "flutter-2dof", "coulomb", "response", Start("a", "equilibrium", offset), settings,
+            options={"states": "all"}, mu_k=friction, c1=0.0, c2=0.0, **changes,
+        )  # fmt: skip
+        assert (found.values["attractor"], found.reason) == ("undecided", "neutral_oscillation")
+        assert found.values["separation_fraction"] == 0.0 and found.values["y_max"] < 0.0
+        amplitude = 0.5 * (found.values["x_max"] - found.values["x_min"])
+        if "y" not in offset:
+            assert amplitude == pytest.approx(1e-3, rel=5e-3)
+        elif friction == 0.35:  # that of a motion followed up to 3000 s
+            assert amplitude == pytest.approx(0.05128, rel=1e-3)
+
+
 def test_a_quasiperiodic_response() -> None:
     found = respond(t_max=20_000.0, u0=0.5, omega=0.5)
     assert found.values["attractor"] == "quasiperiodic"

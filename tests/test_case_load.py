@@ -407,6 +407,18 @@ class TestGrid:
         both = only_problem(text, "friction.mu_k=0.2", vary[0])
         assert "also fixed" in both.message
 
+    @pytest.mark.parametrize("given", ['"friction.mu_k"', "friction.mu_k", "mu_k", '"μ_k"'])
+    @pytest.mark.parametrize("name", ["mu_k", "friction.mu_k", '"friction.mu_k"', '"μ_k"'])
+    def test_an_override_of_an_axis_may_call_it_by_another_name(self, given, name) -> None:
+        text = belt("[grid]", f"{given} = {{ start = 0.1, stop = 0.3, num = 3 }}", "N = [1, 2]")
+        case = parse(text, f"grid.{name}=[0.1, 0.2]")
+        assert [axis.name for axis in case.axes] == ["mu_k", "N"]
+        assert case.axis("mu_k").values == (0.1, 0.2)
+        assert case.axis("mu_k") == parse(text, f"grid.{name}.num=2", f"grid.{name}.stop=0.2").axis(
+            "mu_k"
+        )
+        assert parse(belt("[friction]", "mu_k = 0.3"), f"grid.{name}=[0.1, 0.2]").axis("mu_k")
+
     def test_law_fixed_and_varied(self) -> None:
         text = belt("[friction]", 'law = "coulomb"', "[grid]", 'friction = ["coulomb", "stribeck"]')
         assert "also fixed" in only_problem(text).message

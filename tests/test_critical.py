@@ -315,6 +315,41 @@ def test_every_simple_root_is_found(roots: list[float], frequency: float) -> Non
     assert all(c.width < 1e-12 for c in found)
 
 
+@pytest.mark.parametrize("rounding", [0.0, 1e-17, -1e-17])
+@pytest.mark.parametrize(
+    "root", [*(n / 64.0 for n in (1, 20, 31, 63)), 24.0 / 64.0 + 2.0**-12, 0.375 - 2.0**-52]
+)
+@pytest.mark.parametrize("slope", [1.0, -1.0])
+def test_a_root_on_what_divides_the_bracket_is_found(root, rounding, slope) -> None:
+    """In halves of the bracket, in which there is none to either side."""
+    mode = probe_of(lambda s: complex(slope * (s - root) * (1.0 + s * s) + rounding, 3.0))
+    (found,) = find_crossings(mode, 0.0, 1.0)
+    assert abs(found.value - root) <= found.error < 1e-13
+    assert found.direction == ("to_unstable" if slope > 0.0 else "to_stable")
+    below, above = (0, 2) if slope > 0.0 else (2, 0)
+    assert (found.kind, found.below, found.above) == ("root", below, above)
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-17, -1e-17])
+@pytest.mark.parametrize("slope", [1.0, -1.0])
+def test_a_root_at_the_edge_of_the_bracket_has_its_direction_if_it_is_found(rounding, slope):
+    for low, high in ((0.375, 1.0), (0.0, 0.375)):
+        mode = probe_of(lambda s: complex(slope * (s - 0.375) + rounding, 3.0))
+        for found in find_crossings(mode, low, high):
+            assert found.direction == ("to_unstable" if slope > 0.0 else "to_stable")
+            assert abs(found.below - found.above) == 2
+
+
+@pytest.mark.parametrize("c1", [0.0025, 0.015, 0.1, 0.4])
+def test_critical_friction_of_three_eighths_lies_in_brackets_of_any_ends(c1: float) -> None:
+    """With one damping alone it is 3/8, whatever that is; which of halves end there as well."""
+    changes = {"k1": 1.0, "k2": 1.0, "k3": 4.0 / 3.0, "alpha1": pi / 4.0, "alpha2": 0.0, "c2": 0.0}
+    for bracket in ((0.0, 2.0), (0.0, 1.7), (0.25, 0.5)):
+        found = critical("flutter-2dof", "mu_k", bracket, v=0.5, c1=c1, **changes)
+        assert abs(only(found) - 0.375) <= found.values["critical_error"][0] < 1e-13
+        assert found.values["crossing_direction"] == ["to_unstable"]
+
+
 @pytest.mark.parametrize("distance", [1e-1, 1e-3, 1e-5])
 def test_two_roots_close_together_are_two(distance: float) -> None:
     low, high = 0.4137, 0.4137 + distance

@@ -566,6 +566,30 @@ def test_marks_of_a_dense_diagram_are_smaller():
     assert max(wide, fine) > 1.5 * min(wide, fine)
 
 
+def test_marks_that_would_be_bars_are_dots_and_marks_at_some_of_them():
+    """Each value is a dot, once in the table; the keys of starts are their marks."""
+    omega = np.linspace(0.5, 5.0, 900)
+    dims, starts = ("Omega", "initial"), ["near", "far"]
+    rows = [[0.01 * x] if start == "far" or x < 3.0 else [] for x in omega for start in starts]
+    classes = np.where([[len(row) > 0] for row in rows], "periodic", "equilibrium")
+    shape = omega.size, len(starts)
+    extreme = dims, np.full(shape, 0.02), {"long_name": "greatest phi", "units": "rad"}
+    dense = data.response(
+        classes.reshape(shape), np.ones(shape), data.axes(Omega=omega, initial=starts), rows=rows
+    ).assign(phi_max=extreme)
+    drawn = draw(dense, figure("bifurcation"))
+    (ax,) = drawn.axes
+    shapes = [line for line in ax.lines if len(line.get_xdata()) and line.get_marker() in "o+"]
+    assert {line.get_marker() for line in shapes} == {"o", "+"}
+    assert all(0 < len(line.get_xdata()) <= 25 for line in shapes)
+    x, y = np.hstack([line.get_data() for line in shapes])
+    np.testing.assert_allclose(y, np.where(np.isclose(y, 0.02), 0.02, 0.01 * x))
+    table = [row.split(",") for row in as_csv(drawn, Path("dense.csv")).splitlines()]
+    told = [row[-2:] for row in table[1:] if row[-1]]
+    assert len(told) == len({*map(tuple, told)}) == 900 + (omega >= 3.0).sum()
+    assert {"near", "far", "both starts", "at rest"} == {*legend_texts(ax)}
+
+
 def dots_of(drawn):
     """The lines of full dots."""
     return [

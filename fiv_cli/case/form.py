@@ -14,7 +14,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from pydantic import BaseModel
 
 from fiv_cli.analyses import all_analyses
-from fiv_cli.case.overrides import names_of
+from fiv_cli.case.overrides import WITH_A_DOT, names_of
 from fiv_cli.case.report import MISSING, Path, Report
 from fiv_cli.case.structure import (
     SCHEMA_VERSION,
@@ -47,9 +47,6 @@ V = TypeVar("V")
 
 _MODELS = "`fiv models` says what each is; one of your own is named with --with FILE.py"
 _KINDS = "`fiv kinds` says what there is: analyses compute, figures draw"
-
-# A name with a dot in it may be written without quotes: initial.x = ..., friction.mu_k = ...
-_WITH_A_DOT = ("initial", "friction")
 
 
 class Entry(NamedTuple, Generic[V]):
@@ -269,7 +266,7 @@ def _entries(
         return
     for name, value in table.items():
         nested = isinstance(value, dict) and not keys_of(form).keys() & value.keys()
-        if nested and name in _WITH_A_DOT:
+        if nested and name in WITH_A_DOT:
             for inner, own in value.items():
                 yield Entry(axis_name(f"{name}.{inner}"), (key, name, inner), own)
         else:

@@ -10,18 +10,20 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from fiv_cli.case.report import Path, dotted
 from fiv_cli.case.toml import DEEPEST, TooMuchError, parse_toml
 from fiv_cli.errors import Problem, UsageError
-from fiv_cli.notation.names import listed, suggest
+from fiv_cli.notation.names import axis_name, listed, suggest
 
 _KEY = r"""(?:"[^"]*"|'[^']*'|[^\s."'=\[\]]+)"""
 _PATH = re.compile(rf"\s*({_KEY}(?:\.{_KEY})*)\s*=(.*)", re.DOTALL)
 _BARE_WORD = re.compile(r"""[^\[\]{}"',=#\n]+""")
 _NAMING_KEYS = ("name", "label", "kind")
+# A name with a dot in it may be written without quotes: initial.x = ..., friction.mu_k = ...
+WITH_A_DOT = ("friction", "initial")
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ def apply_overrides(
     problems = []
     for override in overrides:
         try:
-            place = _write(changed, override)
+            place = _write(changed, _as_written(changed, override))
         except _NoPlace as error:
             problems.append(error.problem)
         else:
@@ -66,14 +68,32 @@ def apply_overrides(
     return changed, places, problems
 
 
+def _as_written(document: Mapping[str, Any], override: Override) -> Override:
+    """The override of an axis at the name that the document gives it, as ``friction.μ_k``."""
+    keys, grid = override.keys, document.get("grid")
+    if keys[0] != "grid" or not isinstance(grid, dict):
+        return override
+    written: dict[str, tuple[str, ...]] = {}
+    for name, value in grid.items():
+        inner = value if name in WITH_A_DOT and isinstance(value, dict) else {}
+        written |= {axis_name(f"{name}.{key}"): ("grid", name, key) for key in inner}
+        written |= {} if inner else {axis_name(name): ("grid", name)}
+    for end in (3, 2):
+        name = axis_name(".".join(keys[1:end]))
+        if name in written and len(keys) >= end:
+            return replace(override, keys=(*written[name], *keys[end:]))
+    return override
+
+
 def _let_vary(document: dict[str, Any], place: Path, places: Mapping[Path, str]) -> None:
     """Take away what fixes the parameter, or the law, that `place` makes an axis.
 
     What another override fixes stays, and is told.
     """
-    if len(place) != 2 or place[0] != "grid":
+    if len(place) < 2 or place[0] != "grid":
         return
-    name = "law" if place[1] == "friction" else str(place[1])
+    axis = axis_name(".".join(map(str, place[1:])))
+    name = "law" if axis == "friction" else axis
     for home in (("model", "parameters"), ("friction",)):
         table: Any = document
         for key in home:

@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 DEFAULT = "section_value"
 CROWD = 8  # values at one point of the grid; more are drawn smaller: their marks would be a bar
 FINER = 0.3  # share of its size that a mark has in a crowd, and where it is undecided
+BAR = 1.0  # marks on one another, over the whole width, that are one
+APART = 1.6  # size of marks that stand apart, and ...
+SHAPES = 24  # ... how many of one cloud there are
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
@@ -86,7 +89,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         if not any(layer.dataset is one.dataset for one in shown):
             _refuse_apart(layer, shown, axis, observed)
     before = len(ax.lines)
-    _mark(ax, clouds, style.dot_size(axis.size, figure.get_figwidth()))
+    _mark(ax, clouds, axis.size, figure.get_figwidth())
     along = [one for one in others if branch.is_along(one, str(axis.name), observed)]
     settings = _as_the_grid(settings, axis, along)
     for layer in shown:  # a dataset that belongs to several is drawn with the first of them
@@ -231,24 +234,32 @@ def _sticking(dataset: xr.Dataset) -> xr.DataArray:
     return ~(share.max([d for d in share.dims if d not in dataset["status"].dims]) <= 0.0)
 
 
-def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
+def _mark(ax: Axes, clouds: Sequence[_Cloud], columns: int, width: float) -> None:
     """Marks that show through one another: what comes first is the widest.
 
     Points at rest have a black square in their mark, since its colour tells something else; not
     those on lines of equilibria, which say so. An equilibrium at which no contact sticks is no rest
-    of what slides.
+    of what slides. Where marks of so many columns, in a figure so wide (inches), would be bars,
+    there are dots, and marks on some of them.
     """
     entries = _entries(clouds)
     count, crowd = sum(one.y.size for one in clouds), sum(int(one.crowded.sum()) for one in clouds)
-    many, size = count > style.MANY_MARKS, size * style.finer(count - crowd)
+    many, size = count > style.MANY_MARKS, style.dot_size(columns, width)
+    size *= style.finer(count - crowd)
     sorts = 1 + max(entry.number for entry in entries)
+    are_bars = sorts > 1 and size * columns > BAR * style.POINTS * width
     apart = np.concatenate([one.sticking[~one.told] for one in clouds])
     resting = "at rest" if apart.any() else "steady sliding"
-    _name_sorts(ax, clouds, entries, size)
+    _name_sorts(ax, clouds, entries, APART if are_bars else size)
     pairs = [*zip(clouds, entries, strict=True)]
     for cloud, entry in pairs:
-        _mark_values(ax, cloud, entry, size, sorts, many)
-        _mark_rests(ax, cloud, entry, size, sorts, resting)
+        if are_bars:
+            _mark_finely(ax, cloud, entry, size, resting)
+        else:
+            _mark_values(ax, cloud, entry, size, sorts, many)
+            _mark_rests(ax, cloud, entry, size, sorts, resting)
+    if are_bars:
+        _mark_some(ax, pairs, sorts, resting)
     for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
     if apart.size:
@@ -257,6 +268,35 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], size: float) -> None:
     if colours:
         halves: dict[str, Any] = {"fillstyle": "left", "mfcalt": colours[-1]}
         ax.plot([], [], "o", mew=0.0, color=colours[0], label=UNSETTLED, **halves)
+
+
+def _mark_finely(ax: Axes, cloud: _Cloud, entry: points.Entry, size: float, resting: str) -> None:
+    """The values of one cloud that do not crowd, and its points at rest, as dots."""
+    _mark_values(ax, cloud, replace(entry, label=points.unlisted(entry.label)), size, 1, many=True)
+    dots = style.mark_of(0, 1, size) | {"ls": "none", "color": entry.colour, "rasterized": True}
+    told = points.unlisted(entry.label, resting)
+    ax.plot(cloud.rest_x, cloud.rest_y, zorder=4, label=told, **dots)
+
+
+def _mark_some(
+    ax: Axes, pairs: Sequence[tuple[_Cloud, points.Entry]], sorts: int, resting: str
+) -> None:
+    """Marks of clouds at places in turn, as far apart as they are seen as such, and their keys."""
+    before = len(ax.lines)
+    places = np.unique(np.concatenate([own for one, _ in pairs for own in (one.x, one.rest_x)]))
+    every = 1 + places.size // SHAPES
+    for turn, (cloud, entry) in enumerate(pairs):
+        own = _at(cloud, places[turn * every // len(pairs) :: every])
+        own = _at(own, own.x[own.crowded], without=True)
+        _mark_values(ax, own, entry, APART, sorts, many=False)
+        _mark_rests(ax, own, entry, APART, sorts, resting)
+    for line in ax.lines[before:]:
+        label = str(line.get_label())
+        line.set_label(DECORATION)  # a table has these values as dots
+        if not label.startswith("_"):
+            (key,) = ax.plot([], [])
+            key.update_from(line)
+            key.set_label(label)
 
 
 def _mark_values(
@@ -335,7 +375,7 @@ def _entries(clouds: Sequence[_Cloud]) -> list[points.Entry]:
     starts.sort(key=lambda start: start in points.SHARED)
     if min(len(families), len(starts)) < 2 or "" in starts:
         return points.entries([cloud.label for cloud in clouds])
-    colours = dict(zip(families, style.line_colours(len(families)), strict=True))
+    colours = points.colours_of(families)
     return [
         points.Entry(
             colours[cloud.family], "-", points.unlisted(points.stem(cloud.label)),

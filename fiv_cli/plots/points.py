@@ -35,6 +35,8 @@ MOST_ENTRIES = 2 * MOST_ENTRIES_IN_COLUMN
 MOST_TICKS = 24
 
 # The number that a random start's label ends with.
+MOST_OF_A_RAMP = 5
+VALUE = re.compile(r"= [-+−]?\d[^,=]*$")  # the last of the words of an entry
 RANDOM_MEMBER = re.compile(r"-\d{3,}(?=,|$)")
 
 
@@ -446,11 +448,11 @@ def entries(names: Sequence[str]) -> list[Entry]:
     """An entry for each line; the members of a random start share one (``far-000`` is ``far``)."""
     stems = [*map(stem, names)]
     distinct = list(dict.fromkeys(stems))
-    colours = style.line_colours(len(distinct))
+    colours = colours_of(distinct)
     numbers = [distinct.index(own) for own in stems]
     return [
         Entry(
-            colours[number],
+            colours[own],
             style.dash(number, len(distinct)),
             unlisted(own) if own in stems[:place] else own,
             number,
@@ -458,6 +460,26 @@ def entries(names: Sequence[str]) -> list[Entry]:
         )
         for place, (own, number) in enumerate(zip(stems, numbers, strict=True))
     ]
+
+
+def colours_of(names: Sequence[str]) -> dict[str, ColorType]:
+    """A colour for each of some distinct names; of many values of one parameter a ramp."""
+    of_values = _of_one_parameter(names)
+    ramp = [name for own in of_values if len(own) > len(style.LINES) for name in own]
+    others = [name for name in names if name not in ramp]
+    return {
+        name: colour
+        for some in (others, ramp)
+        for name, colour in zip(some, style.line_colours(len(some)), strict=True)
+    }
+
+
+def _of_one_parameter(names: Sequence[str]) -> list[list[str]]:
+    """Names that differ in the value of one parameter, the last of their words, together."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        groups.setdefault(VALUE.sub("=", name), []).append(name)
+    return [*groups.values()]
 
 
 def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
@@ -661,6 +683,20 @@ def _words_of(label: str) -> set[str]:
 
 
 def _thinned(handles: Sequence[Artist], names: Sequence[str]) -> tuple[list[Artist], list[str]]:
-    """Of too many entries some, evenly spread: the colours of many lines are a ramp."""
-    kept = np.unique(np.linspace(0, len(names) - 1, min(len(names), MOST_ENTRIES)).astype(int))
-    return [handles[place] for place in kept], [names[place] for place in kept]
+    """Of too many entries some, evenly spread: the colours of many lines are a ramp.
+
+    So of the values of one parameter, of which there are keys of both ends and some between.
+    """
+    told = {
+        own[at]
+        for own in _of_one_parameter(names)
+        for at in _spread(len(own), MOST_OF_A_RAMP if len(own) > len(style.LINES) else len(own))
+    }
+    pairs = [pair for pair in zip(handles, names, strict=True) if pair[1] in told]
+    pairs = [pairs[at] for at in _spread(len(pairs), MOST_ENTRIES)]
+    return [handle for handle, _ in pairs], [name for _, name in pairs]
+
+
+def _spread(count: int, most: int) -> list[int]:
+    """Places among so many, at most so many of them: both ends, and evenly between."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(int)).tolist()

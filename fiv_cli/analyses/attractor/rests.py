@@ -125,6 +125,16 @@ class Rests:
         return abs(max(value.real for value in values)) <= slow
 
 
+    @property
+    def longest_beat(self) -> float:
+        """The longest of two of its frequencies that lie side by side, s; 0 where none beat."""
+        eigenvalues = self.landscape.eigenvalues.get(self.row, np.zeros(1, complex))
+        slow = HURWITZ * np.abs(eigenvalues).max()
+        turning = np.sort(eigenvalues.imag[eigenvalues.imag > slow])
+        apart = np.diff(turning)
+        return 2 * np.pi / float(np.min(apart[apart > slow], initial=np.inf))
+
+
 def rests_at(system: System, requests: Sequence[Request]) -> list[Rests]:
     """What there is to come to rest at, at several points."""
     landscape = landscape_at(system, requests)

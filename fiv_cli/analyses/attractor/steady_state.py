@@ -292,7 +292,7 @@ class _Response:
         t_max, transient = self.settings["t_max"], self.settings["transient"]
         if transient > 0.0:
             self.stop = self.motion.run(min(transient, t_max))
-            self.watch.last_event = self.watch.last_point = self.motion.time
+            self.watch.begun = self.watch.last_event = self.watch.last_point = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
         if self.looked is None:
             answer = self._ended() or self._rest() or self._settle(half)
@@ -480,9 +480,16 @@ class _Response:
         values = resting(self.system, state, self.motion.kinds, self.motion.time)
         return Outcome(values=values, carry=self._carry("equilibrium") | {"state": state.tolist()})
 
-    def _neutral(self) -> Outcome:
-        """Undamped sliding: what is found depends on the start, so it is no attractor."""
-        outcome = self._measure_window(self.motion.time + self.patience)
+    def _neutral(self) -> Outcome | None:
+        """Undamped sliding: what is found depends on the start, so it is no attractor.
+
+        It is measured over a beat of its frequencies. None: an event has ended it.
+        """
+        begun, last_event = self.motion.time, self.watch.last_event
+        beat = min(self.rests.longest_beat, self.settings["t_max"] - begun)
+        outcome = self._measure_window(begun + max(self.patience, beat))
+        if self.watch.last_event > last_event:
+            return None
         outcome.reason = "neutral_oscillation"
         outcome.values["attractor"] = "undecided"
         return outcome
@@ -773,6 +780,9 @@ class _Response:
         """A stationary section and two agreeing tests, or undecided."""
         if self.is_unconfirmed:
             return "undecided", "cycle_not_confirmed"
+        begun = outcome.values["transient_used"]
+        if self.watch.asks_waiting and self.excitation is None and self.watch.last_event <= begun:
+            return "undecided", "neutral_oscillation"
         if self.watch.count == 0:
             slides = self._is_quiet() and self.excitation is None
             return "undecided", "slide_not_decided" if slides else "no_section_points"

@@ -894,15 +894,28 @@ def _round_corner(line: Continuation, here: Point, met: list[Point]) -> Point | 
 
 
 def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | None:
-    """The nearest cycle to `guess`, where the motion has other events; None without one."""
+    """The nearest cycle to `guess`, where the motion has other events; None without one.
+
+    Where that leads back to cycles of the same events: one as far from the last cycle as it is.
+    """
+    away = guess - here.unknowns
 
     def conditions(unknowns: Vector) -> Equations | None:
         return _conditions(line, here.frame, unknowns)
 
+    def as_far(unknowns: Vector) -> Equations | None:
+        found = conditions(unknowns)
+        if found is None:
+            return None
+        values = np.append(found.values, away @ (unknowns - guess))
+        return Equations(values, lambda: _with_row(found.jacobian(), away), found.around)
+
     first = conditions(guess)
     if first is None or first.around.events == here.cycle.around.events:
         return None
-    root = newton(conditions, guess, reach=AHEAD)
-    if root is None or np.linalg.norm(root[0] - here.unknowns) > BESIDE:
-        return None
-    return _point(line, here, *root)
+    for sought in (conditions, as_far):
+        root = newton(sought, guess, reach=AHEAD)
+        is_near = root is not None and np.linalg.norm(root[0] - here.unknowns) <= BESIDE
+        if root and is_near and root[1].around.events != here.cycle.around.events:
+            return _point(line, here, *root)
+    return None

@@ -46,6 +46,7 @@ MOST_SAMPLES = 20_000
 BENT = 0.25  # largest departure from a straight line, over the change of a real part with a root
 MARGIN = 2.0  # by which departures from a straight line must be smaller than what they could hide
 MEET = 1e-7  # changes below this share of the largest eigenvalue do not let two modes meet
+ASIDE = 0.071  # share of a piece by which what divides it is moved off a root
 JUMP = 1e-5  # share of the largest eigenvalue by which a jump moves one
 HALVINGS = 64
 ROUNDED = 64.0 * ULP  # share of a value by which the other parameters' rounding moves it (up to 23)
@@ -84,6 +85,12 @@ class Sample:
     def growing(self) -> NDArray[np.bool_]:
         """Which modes grow by more than rounding, (modes,)."""
         result: NDArray[np.bool_] = self.values.real > NEUTRAL * self.scale
+        return result
+
+    @property
+    def decaying(self) -> NDArray[np.bool_]:
+        """Which modes decay by more than rounding, (modes,)."""
+        result: NDArray[np.bool_] = self.values.real < -NEUTRAL * self.scale
         return result
 
     @property
@@ -294,6 +301,10 @@ def find_crossings(low: float, high: float) -> Scan[list[Crossing]]:
     """
     scan = _Scan(NARROWEST * (high - low))
     ends = np.linspace(low, high, PIECES + 1)
+    every = yield from scan.ask(*np.linspace(low, high, 2 * PIECES + 1).tolist())
+    for place in range(1, PIECES):
+        if _is_on_a_zero(*every[2 * place - 1 : 2 * place + 2]):
+            ends[place] += ASIDE * (ends[1] - ends[0])
     yield from scan.ask(*ends.tolist(), *((ends[:-1] + ends[1:]) / 2.0).tolist())
     left, *others = yield from scan.ask(*ends.tolist())
     for right in others:
@@ -332,6 +343,8 @@ class _Scan:
                 return ordered
         except _Hole as hole:
             middle = hole.sample
+        if _is_on_a_zero(left, middle, right):
+            (middle,) = yield from self.ask(middle.at + ASIDE * (right.at - left.at))
         yield from self.ask((left.at + middle.at) / 2.0, (middle.at + right.at) / 2.0)
         middle = yield from self.piece(left, middle)
         return (yield from self.piece(middle, right))
@@ -426,6 +439,17 @@ def _solid(sample: Sample) -> Sample:
 def _differs(middle: Sample, left: Sample, right: Sample) -> bool:
     """Whether only the middle has an equilibrium, or only the middle has none."""
     return left.exists == right.exists != middle.exists
+
+
+def _is_on_a_zero(left: Sample, middle: Sample, right: Sample) -> bool:
+    """Whether more real parts vanish in the middle than on either side: a root lies just there.
+
+    No piece may end at it: to each side of it there would be none.
+    """
+    if not (left.exists and middle.exists and right.exists):
+        return False
+    vanishing = [int((~one.growing & ~one.decaying).sum()) for one in (left, middle, right)]
+    return vanishing[1] > max(vanishing[::2])
 
 
 def _is_resolved(left: Sample, middle: Sample, right: Sample) -> bool:
@@ -527,8 +551,13 @@ def _end(low: Sample, high: Sample) -> Crossing:
 
 def _branching(low: Sample, high: Sample) -> Crossing:
     """A change of stability where modes branch (a root), or do not hang together (a jump)."""
-    rises = _count(high) > _count(low)
-    mode, growing = _most_changed(low, high) if rises else _most_changed(high, low)
+    grew, grows = (one.values.real > 0.0 for one in (low, high))
+    if grew.sum() == grows.sum():  # on one side rounding decides
+        grew, grows = low.growing, high.growing
+    rises = bool(grows.sum() > grew.sum())
+    mode, growing = (
+        _most_changed(high, grows & ~grew) if rises else _most_changed(low, grew & ~grows)
+    )
     moved = float(np.abs(high.values - low.values).max())
     return Crossing(
         value=(low.at + high.at) / 2.0,
@@ -537,15 +566,13 @@ def _branching(low: Sample, high: Sample) -> Crossing:
         direction="to_unstable" if rises else "to_stable",
         mode=mode,
         frequency=abs(growing.imag),
-        below=_count(low),
-        above=_count(high),
+        below=int(grew.sum()),
+        above=int(grows.sum()),
     )
 
 
-def _most_changed(fewer: Sample, more: Sample) -> tuple[int, complex]:
-    """Of the modes that grow in `more` alone the one that grows most: place and eigenvalue."""
-    grows, grew = more.values.real > 0.0, fewer.values.real > 0.0
-    wanted = grows & ~grew & (more.values.imag >= 0.0)
-    growth = np.where(wanted, more.values.real, -np.inf)
+def _most_changed(sample: Sample, changed: NDArray[np.bool_]) -> tuple[int, complex]:
+    """Of the modes that grow on one side alone the one that grows most: place and eigenvalue."""
+    growth = np.where(changed & (sample.values.imag >= 0.0), sample.values.real, -np.inf)
     mode = int(np.argmax(growth))
-    return mode, complex(more.values[mode])
+    return mode, complex(sample.values[mode])
