@@ -85,7 +85,14 @@ def test_an_undamped_slide_is_neutral() -> None:
 @pytest.mark.parametrize("friction", [0.35, 0.36])
 def test_an_undamped_slide_is_neutral_once_its_last_landing_is_over(friction: float) -> None:
     """Landings come ever more seldom, up to 772 s; then two frequencies beat."""
-    changes = {"k1": 1.0, "k2": 1.0, "k3": 4.0 / 3.0, "alpha1": np.pi / 4.0, "alpha2": 0.0, "v": 0.5}
+    changes = {
+        "k1": 1.0,
+        "k2": 1.0,
+        "k3": 4.0 / 3.0,
+        "alpha1": np.pi / 4.0,
+        "alpha2": 0.0,
+        "v": 0.5,
+    }
     settings = {"section": Section("zero", state="x_dot", direction="up"), "t_max": 3000.0}
     for offset in ({"x": 2.0, "y": -0.5}, {"x": 1e-3}):
         found = analyse(

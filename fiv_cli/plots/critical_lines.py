@@ -98,17 +98,18 @@ class CriticalLines:
         ------
         UsageError : there are others at each place, or none along that axis
         """
-        array, dim = self.dataset[self.name], along.dims[0]
+        panels = {dim for panel in self.panels for dim in panel.index}
+        dataset = levels.under_panels(self.dataset, self.mapped, panels)
+        array, dim = dataset[self.name], along.dims[0]
         if dim not in array.dims:
             raise UsageError(
                 f"{self.name}: a line of it on this map needs its values along {along.name}, and "
                 f"it varies along {listed(sorted(map(str, array.dims)))}\n"
                 f"next: give its case {along.name} as an axis, under [grid]"
             )
-        panels = {dim for panel in self.panels for dim in panel.index}
-        kept = {one for one in panels if levels.same_along(self.dataset, self.mapped, one)}
+        kept = {one for one in panels if levels.same_along(dataset, self.mapped, one)}
         further = [str(one) for one in array.dims if one not in {dim, "crossing", *kept}]
-        return levels.at_the_map(self.name, self.dataset, self.mapped, further)
+        return levels.at_the_map(self.name, dataset, self.mapped, further)
 
     def _of_the_border(self, dataset: xr.Dataset) -> xr.DataArray:
         """Of several crossings those at which the equilibrium itself turns stable or unstable."""

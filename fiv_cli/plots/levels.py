@@ -84,6 +84,44 @@ def same_along(dataset: xr.Dataset, other: xr.Dataset, dim: str) -> bool:
     return np.array_equal(one, two)
 
 
+def under_panels(dataset: xr.Dataset, mapped: xr.Dataset, dims: Collection[str]) -> xr.Dataset:
+    """A dataset along the `dims` of the panels of a map: what it has none of is not known there.
+
+    Of a law or a parameter that it holds fixed it has that one value. Starts that are called
+    otherwise are left as they are.
+    """
+    for dim in dims:
+        if dim not in dataset.dims:
+            fixed = _held(dataset, dim)
+            if fixed is None:
+                continue
+            dataset = dataset.drop_vars(dim, errors="ignore").expand_dims({dim: [fixed]})
+        one, two = (select.axis_of(of, dim).values for of in (dataset, mapped))
+        if np.isin(one, two).any() or (one.size == 1 and dim != "initial"):
+            dataset = _as_along(dataset, mapped, dim)
+    return dataset
+
+
+def _held(dataset: xr.Dataset, name: str) -> Any:
+    """The one value of a parameter, or the law, of a dataset that does not vary it."""
+    if name == "friction":
+        return dataset.attrs.get("law")
+    axis = dataset.coords.get(name)
+    return axis.item() if axis is not None and axis.ndim == 0 else None
+
+
+def _as_along(dataset: xr.Dataset, mapped: xr.Dataset, dim: str) -> xr.Dataset:
+    """What it has along an axis as another dataset has it, unknown where it has none."""
+    one, two = (select.axis_of(of, dim) for of in (dataset, mapped))
+    met = one.values[None] == two.values[:, None]
+    is_there = one.isel({dim: met.argmax(axis=1)}).copy(data=met.any(axis=1)).variable
+    taken = dataset.isel({dim: met.argmax(axis=1)}).drop_vars(str(one.name))
+    known = {
+        name: own.where(is_there, other=np.nan) for name, own in taken.items() if dim in own.dims
+    }
+    return taken.assign(known).assign_coords({str(one.name): two.variable})
+
+
 def at_the_map(
     name: str, dataset: xr.Dataset, mapped: xr.Dataset, further: Collection[str]
 ) -> xr.Dataset:

@@ -252,14 +252,10 @@ def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
     ------
     UsageError : there is none, or not one value of it at each place of a panel
     """
-    dataset = _holding(layer, name)
+    panels = {dim for panel in planes.panels for dim in panel.index}
+    dataset = levels.under_panels(_holding(layer, name), planes.dataset, panels)
+    panels = {dim for dim in panels if levels.same_along(dataset, planes.dataset, dim)}
     dims = dataset[name].dims
-    panels = {
-        dim
-        for panel in planes.panels
-        for dim in panel.index
-        if levels.same_along(dataset, planes.dataset, dim)
-    }
     lacking = {*planes.dims} - {*dims}
     if lacking:
         raise UsageError(f"{name}: its level is no line, it has no value for each {min(lacking)}")

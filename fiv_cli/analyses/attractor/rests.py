@@ -124,7 +124,6 @@ class Rests:
             values = [value for value in values if abs(value) > slow]
         return abs(max(value.real for value in values)) <= slow
 
-
     @property
     def longest_beat(self) -> float:
         """The longest of two of its frequencies that lie side by side, s; 0 where none beat."""
