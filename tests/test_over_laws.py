@@ -87,3 +87,13 @@ def test_a_law_that_never_sticks_is_not_asked_how_long_it_does() -> None:
     }
     assert over_laws.lines({"stick_fraction": told})[1].endswith("; not of lugre, without stick")
     assert "stick_fraction" not in over_laws.spread(dataset.isel(friction=[0, 2]))
+
+
+def test_random_starts_are_others_under_each_law_and_are_not_compared() -> None:
+    labels = ["rest", "far-000", "far-001"]
+    classes = [["periodic", "periodic", "equilibrium"], ["periodic", "equilibrium", "periodic"]]
+    dataset = response(classes, np.ones((2, 3)), {"friction": LAWS[:2], "initial": labels})
+    assert over_laws.spread(dataset)["attractor"]["points"] == 3
+    dataset.attrs["starts_json"] = '{"rest": "state", "far": "random"}'
+    assert over_laws.spread(dataset)["attractor"]["points"] == 1
+    assert over_laws.spread(dataset.isel(initial=[1, 2])) == {}

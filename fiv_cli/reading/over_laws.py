@@ -13,6 +13,7 @@ from fiv_cli.friction import all_laws
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import flag_names, numbers, variables_in
+from fiv_cli.reading.shares import drawn_of, family_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,9 +46,15 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     greatest lies (``at``), and law -> at how many points it gives the ``lowest`` and the
     ``highest``. Of several crossings the first is meant, where it is of one direction under every
     law. Numbers that differ nowhere are left out;
-    of shares of stick and slip the laws ``without`` stick are.
+    of shares of stick and slip the laws ``without`` stick are. Random starts are others under each
+    law, and are left out.
     """
     if LAWS not in dataset["status"].dims or dataset.sizes[LAWS] < 2:
+        return {}
+    if "initial" in dataset["status"].dims:
+        same = ~np.isin([family_of(one) for one in dataset["initial"].values], drawn_of(dataset))
+        dataset = dataset.isel(initial=np.flatnonzero(same))
+    if not dataset["status"].size:
         return {}
     grid = dataset["status"].dims
     asked = [v.name for v in variables_in(dataset, Role.CLASS, Role.ANSWER, Role.SHARE)]

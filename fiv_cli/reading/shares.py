@@ -146,7 +146,7 @@ def _families(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     """Label of random starts -> the classes that they reach, ``initial`` last."""
     if "attractor" not in dataset or "initial" not in dataset.coords:
         return {}
-    families = [str(label).rpartition("-")[0] for label in dataset["initial"].values]
+    families = [family_of(label) for label in dataset["initial"].values]
     members = {label: np.flatnonzero([f == label for f in families]) for label in drawn_of(dataset)}
     reached = dataset["attractor"].transpose(..., "initial")
     return {label: reached.isel(initial=own) for label, own in members.items() if own.size}
@@ -161,7 +161,7 @@ def _lattices(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {
         str(label): reached.sel(initial=label, drop=True).stack(initial=axes, create_index=False)
         for label in reached["initial"].values
-        if str(label).rpartition("-")[0] not in drawn_of(dataset)
+        if family_of(label) not in drawn_of(dataset)
     }
 
 
@@ -194,9 +194,14 @@ def drawn_of(dataset: xr.Dataset) -> list[str]:
     return [label for label, kind in kinds.items() if kind == "random"]
 
 
+def family_of(label: Any) -> str:
+    """The label of the random starts that one of them belongs to."""
+    return str(label).rpartition("-")[0]
+
+
 def is_sample(dataset: xr.Dataset, drawn: Container[str]) -> bool:
     """Whether all starts of a dataset are random: shares of others have no standard error."""
-    return all(str(label).rpartition("-")[0] in drawn for label in dataset["initial"].values)
+    return all(family_of(label) in drawn for label in dataset["initial"].values)
 
 
 def _of_classes(reached: xr.DataArray, is_drawn: bool) -> dict[str, list[Share]]:
