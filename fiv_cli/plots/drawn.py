@@ -48,7 +48,8 @@ def as_csv(figure: Figure, path: Path) -> str:
     """A row for each point of marks and lines, in the units and words of the figure.
 
     `figure` is its title, with the start and the values of parameters that no series names. Each
-    line, and all marks of one series, have a number; what stands at an x alone has no y. Where
+    line, and all marks of one series, have a number; what stands at an x alone has no y (``nan``),
+    and what the figure says in words neither. Where
     points have names there is a column more.
 
     Raises
@@ -73,7 +74,7 @@ def as_csv(figure: Figure, path: Path) -> str:
             rows = zip(*columns, strict=True)
             writer.writerows([*panel, series, line, *row] for row in rows)
         for remark in _remarks(ax):
-            writer.writerow([*panel, remark, "", "", ""])
+            writer.writerow([*panel, remark, "", np.nan, np.nan])
     return table.getvalue()
 
 
@@ -157,12 +158,12 @@ def _pieces_of_line(line: Line2D, ax: Axes) -> list[np.ndarray]:
 
 
 def _told(axis: Axis, values: np.ndarray) -> list[float | str]:
-    """Values along an axis: numbers, empty where there is none, or the words at their ticks."""
+    """Values along an axis: numbers, NaN where there is none, or the words at their ticks."""
     if isinstance(axis.get_major_locator(), FixedLocator):
         words = [text.get_text() for text in axis.get_ticklabels()]
         named = dict(zip(axis.get_ticklocs().round().tolist(), words, strict=True))
         return [named.get(value, value) for value in values.round().tolist()]
-    return [value if np.isfinite(value) else "" for value in values.tolist()]
+    return [*values.tolist()]
 
 
 def in_one_line(words: str) -> str:
