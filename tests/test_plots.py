@@ -521,6 +521,25 @@ def test_a_leap_to_a_cycle_of_one_point_is_one_whatever_else_a_panel_shows(far, 
     assert (line.get_marker() == "None") == bool(asked)
 
 
+def test_a_line_breaks_where_any_mark_of_its_motion_leaps():
+    """At a fold amplitudes rise steeply on their own: sticks tell the other cycle."""
+    amplitude = np.array([327, 307, 291, 373, 675, 681, 687, 693]) * 1e-4
+    sticks = np.array([160, 140, 122, 108, 431, 429, 427, 424]) * 1e-3
+    omega = 4.2 + 0.05 * np.arange(8)
+    dataset = data.response(
+        np.full((8, 1), "periodic", object), np.ones((8, 1)),
+        data.axes(Omega=omega, initial=["far"]), rows=[[0.1]] * 8,
+    ).assign(phi_amplitude=(("Omega", "initial"), amplitude[:, None]))  # fmt: skip
+    wanted = figure("curve", variable="phi_amplitude", xlim=[0.5, 9.0], ylim=[0.0, 0.2])
+    for told, pieces in ((None, [8]), (sticks, [4, 4])):
+        if told is not None:
+            dataset["stick_fraction"] = ("Omega", "initial", "contact"), told[:, None, None]
+        (ax,) = draw(dataset, wanted).axes
+        (line,) = [line for line in ax.lines if len(line.get_xdata()) > 1]
+        known = "".join("-x"[int(one)] for one in np.isfinite(line.get_ydata()))
+        assert [len(piece) for piece in known.split("-")] == pieces
+
+
 @pytest.mark.parametrize(
     ("to", "breaks"),
     [

@@ -61,6 +61,7 @@ MOSTLY = 0.9  # of their points, at which lines of all starts are one, but for w
 MOST_COMPARED = 100  # lines that may lie on one another
 SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
+TELLING = ("period", "L_s", "stick_fraction")
 STEP = 3.0  # times those beside it: a step that no curve takes ...
 LEAP = 6.0  # ... or within a kind of cycle, where a square root begins steeply
 # Shares of its range by which a line leaps at least where it breaks; beside a kind of one
@@ -676,7 +677,7 @@ def _curves(
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
     kinds = _kinds(dataset).broadcast_like(array)
-    logarithmic = points.is_logarithmic(settings, "y")
+    logarithmic, marks = points.is_logarithmic(settings, "y"), [*_marks_of_motions(dataset)]
 
     def beside(line: points.Line, dim: str) -> np.ndarray:
         """The values of all starts at what a line holds fixed, shape (starts, points)."""
@@ -694,6 +695,7 @@ def _curves(
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
+        kind = _told_apart(kind, [one.isel(line.index, missing_dims="ignore") for one in marks])
         apart |= _leaps(y, kind, points.shown_of(settings, y), logarithmic)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
@@ -719,6 +721,27 @@ def _kinds(dataset: xr.Dataset) -> xr.DataArray:
     if "contact" in sticks.dims:
         sticks = (sticks * 2.0 ** np.arange(sticks.sizes["contact"])).sum("contact")
     return passages.fillna(0.0) + MANY * sticks
+
+
+def _marks_of_motions(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
+    """What leaps, one or the other, where a line goes over to another cycle of the same kind."""
+    for name in [name for name in TELLING if name in dataset]:
+        one = numbers(dataset[name])
+        yield from (
+            [one.isel(contact=n) for n in range(one.sizes["contact"])]
+            if "contact" in one.dims
+            else [one]
+        )
+
+
+def _told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> np.ndarray:
+    """Numbers of kinds of cycles along a line, which change where any mark of motions leaps."""
+    changes = kinds[1:] != kinds[:-1]
+    for one in marks:
+        if one.shape == kinds.shape and one.notnull().any():
+            ends = float(one.min()), float(one.max())
+            changes = changes | _leaps(one.values, kinds, ends, logarithmic=False)
+    return np.cumsum(np.append(False, changes))
 
 
 def _leaps(
