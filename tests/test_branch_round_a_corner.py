@@ -11,8 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from fiv_cli import api
+from fiv_cli.analyses.base import Start
+from fiv_cli.dynamics.settings import Section
 
 DRILL = '''"""A bit on rock below a string that a table turns."""
 
@@ -85,3 +88,44 @@ def test_a_branch_is_the_same_however_closely_its_changes_are_looked_for(
     assert (errors <= 20.0 * width).all()
     for end in known:  # the cycles on the way there are kept
         assert np.abs(found["branch_value"].values - end).min() < 0.05
+
+
+def belt(offset: float, **settings: object) -> xr.Dataset:
+    """A branch along the belt's speed, from a start so far off the sliding equilibrium."""
+    law = {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "delta": 1.0}
+    cycle = {"kind": "cycle", "parameter": "v", "bracket": [1.0, 3.5], "observe": "x"}
+    case = {
+        "schema": 1,
+        "model": {"name": "belt-1dof", "parameters": {"c": 0.2, "v": 2.0}},
+        "friction": law,
+        "initial": [{"kind": "equilibrium", "offset": {"x": offset}}],
+        "analysis": [cycle | {"section": {"zero": "x_dot", "direction": "down"}} | settings],
+    }
+    return api.run(api.load(case), workers=1)
+
+
+@pytest.mark.parametrize(("offset", "settings"), [(2.2, {}), (1.9, {"t_max": 15.0})])
+def test_stick_slip_and_the_unstable_cycle_within_it_are_one_branch(
+    offset: float, settings: dict[str, object]
+) -> None:
+    """From either of them: one begins at the Hopf point, and they meet where a slip grazes."""
+    found = belt(offset, **settings)
+    kinds = api.names_of(found["cycle_end_kind"]).values
+    places = np.argsort(kinds)
+    assert kinds[places].tolist() == ["bracket", "equilibrium", "grazing"]
+    hopf = 0.5 * np.log(10.0 * (0.4 - 0.23) / (0.5 * 0.2))
+    known = [1.0, hopf, 2.65226948081]  # the last of SciPy, from break-away on
+    errors = found["cycle_end_error"].values[places]
+    assert (np.abs(found["cycle_end"].values[places] - known) <= errors + 1e-9).all()
+    assert {*api.names_of(found["branch_stable"]).values.tolist()} >= {"stable", "unstable"}
+
+
+def test_of_no_cycle_it_is_told_on_which_side_of_one_that_repels_it_lies() -> None:
+    """That one has an amplitude of 1.71."""
+    law = {"mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "delta": 1.0}
+    settings = {"section": Section("zero", state="x_dot", direction="down"), "t_max": 15.0}
+    start = Start("near", "equilibrium", {"x": 1.3})
+    found = api.analyse("belt-1dof", "stribeck", "cycle", start, settings, c=0.2, v=2.0, **law)
+    assert found.reason == "no_cycle"
+    course = "at first it swung by 2.29: it dies away, and a cycle that repels would be greater"
+    assert found.message.endswith(course)

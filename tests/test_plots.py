@@ -1654,7 +1654,7 @@ def test_a_curve_runs_along_the_longest_axis_unless_the_figure_says_otherwise():
     assert drawn.axes[0].get_xlabel() == "normal preload $N_0$ (N)"
     many = draw(dataset, figure("curve", variable="L_s", x="Omega"))
     preloads = [text for text in legend_texts(many) if "N_0" in text and ":" not in text]
-    assert preloads[0] == "$N_0$ = 2 N" and "$N_0$ = 48.0408 N" == preloads[-1]  # as far as known
+    assert preloads[0] == "$N_0$ = 2 N" and preloads[-1] == "$N_0$ = 48.0408 N"  # as far as known
 
 
 def test_axes_that_advance_together_are_each_an_axis():

@@ -41,6 +41,7 @@ from fiv_cli.dynamics.system import System
 
 NEUTRAL = 1e-8  # distance from 1 at which a multiplier is 1 to the accuracy of a cycle
 STRIDE = 0.1  # share by which the period may change from neighbour to neighbour
+COURSE = 1e-3  # share by which a swing changes at least that is said to grow or to die away
 BRIDGES = 5  # halvings of the way between neighbours
 
 
@@ -101,13 +102,29 @@ def _without_return(problem: Problem, passed: Returns, settings: Settings) -> Ou
 
 def _where_it_was(problem: Problem, begin: Begin, passed: Returns, settings: Settings) -> str:
     """What the start led to that is no cycle: when, and how, the motion returned last."""
-    begun, ended = passed.times[-2:]
-    last, names = guess_between(problem, begin, begun, ended), problem.system.state_names
+    (begun, ended), start = passed.times[-2:], settings["transient"]
+    names = problem.system.state_names
     name = settings["observe"] or names[0]
-    swing = "rests" if last is None else f"swings by {2.0 * last.scales[names.index(name)]:.3g}"
+
+    def swing(one: float, other: float) -> float:
+        guess = guess_between(problem, begin, one, other)
+        return 0.0 if guess is None else 2.0 * float(guess.scales[names.index(name)])
+
+    first, last = swing(start, start + ended - begun), swing(begun, ended)
     return (
         f"{_place(problem, settings)}the motion returns last at t = {ended:.6g} s, "
-        f"{ended - begun:.6g} s after the return before; between them {name} {swing}"
+        f"{ended - begun:.6g} s after the return before; between them {name} "
+        f"{f'swings by {last:.3g}' if last > 0.0 else 'rests'}{_course(first, last)}"
+    )
+
+
+def _course(first: float, last: float) -> str:
+    """On which side of a cycle that repels a start lies, where swings tell."""
+    if not abs(last - first) > COURSE * first > 0.0:
+        return ""
+    course, size = ("dies away", "greater") if last < first else ("grows", "smaller")
+    return (
+        f"; at first it swung by {first:.3g}: it {course}, and a cycle that repels would be {size}"
     )
 
 
