@@ -197,6 +197,19 @@ def ended_first(met: Path, task: Task) -> Result:
     return run_task(task)
 
 
+def test_an_estimate_tells_of_points_that_failed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = tmp_path / "a.toml"
+    case.write_text(
+        'schema = 1\n[model]\nname = "belt-1dof"\n[grid]\nv = [0.0, 0.5, 1.0]\n'
+        '[[analysis]]\nkind = "eigenvalues"\n'
+    )
+    assert fiv(["check", str(case), "--estimate"]) == 0
+    told = capsys.readouterr().out
+    assert "    of these 3 points 1 failed: no_drive: the drive of a contact stands still" in told
+
+
 def test_a_sample_is_spread_over_every_axis_and_reaches_every_point() -> None:
     sizes = (4, 3, 50)
     places = np.array(list(_spread(sizes)))

@@ -124,7 +124,8 @@ def _print(verdicts: Iterable[Verdict]) -> None:
     for verdict in verdicts:
         if verdict.error is None:
             more = (f"  {sentence}" for sentence in (*verdict.stiff, *verdict.not_run))
-            lines = [*verdict.plan, *more, *(one.line() for one in verdict.estimates)]
+            costs = (line for one in verdict.estimates for line in (one.line(), *one.failures()))
+            lines = [*verdict.plan, *more, *costs]
             click.echo(printable("\n".join(lines)))
         else:
             click.echo(with_files(str(verdict.error), given_files()), err=True)

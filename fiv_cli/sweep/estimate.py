@@ -13,10 +13,12 @@ from __future__ import annotations
 import itertools
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import ceil, exp, hypot, inf, prod, sqrt
+from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -28,6 +30,7 @@ from fiv_cli.case.case import Case
 from fiv_cli.case.identity import default_output, differences
 from fiv_cli.data.assemble import LARGE
 from fiv_cli.data.log import run_folder
+from fiv_cli.flags import REASONS, STATUS, advice
 from fiv_cli.notation.amounts import HOUR, duration, size
 from fiv_cli.sweep.journal import Journal, Record, stored_identity
 from fiv_cli.sweep.map_estimate import Cost, Drawing
@@ -83,6 +86,7 @@ class Estimate:
     points : to be run, least and most
     sampled, stored : points that were run for this, and that are stored and need not be run
     given_up, limit : those that were sampled and took more than so many s
+    failed : reason -> how many of those sampled failed for it
     expected : s of the whole run, processor time over the workers
     seconds : ... least and most that is likely; the most may be infinite
     memory, disk : bytes
@@ -99,6 +103,14 @@ class Estimate:
     memory: float
     disk: float
     workers: int
+    failed: Mapping[str, int]
+
+    def failures(self) -> list[str]:
+        """Why points of the sample failed, for people: those of the run will, too."""
+        return [
+            f"    of these {self.sampled} points {count} failed: {reason}: {advice(reason)}"
+            for reason, count in self.failed.items()
+        ]
 
     def line(self) -> str:
         """For people."""
@@ -154,6 +166,7 @@ class Stratum:
     left : units that were not run yet
     counts, seconds, most : of each unit that was, its points and what they took, least and most
     stored, given_up : bytes of the results, and points that took too long
+    failed : why others failed
     is_exhausted : there are no more units
     """
 
@@ -164,6 +177,7 @@ class Stratum:
     most: list[float] = field(default_factory=list)
     stored: int = 0
     given_up: int = 0
+    failed: Counter[str] = field(default_factory=Counter)
     is_exhausted: bool = False
 
     @property
@@ -340,6 +354,7 @@ class Sample(NamedTuple):
     stored: int
     cost: Cost
     errors: tuple[float, float]
+    failed: Mapping[str, int] = MappingProxyType({})
 
 
 def _of_strata(strata: Sequence[Stratum], points: int, left: float) -> Sample:
@@ -353,6 +368,7 @@ def _of_strata(strata: Sequence[Stratum], points: int, left: float) -> Sample:
         stored=sum(stratum.stored for stratum in strata),
         cost=Cost((left * points, left * points), (low, high)),
         errors=(least, most),
+        failed=sum((stratum.failed for stratum in strata), Counter()),
     )
 
 
@@ -433,6 +449,7 @@ def _told(
         memory=OF_A_PROCESS * processes + _of_dataset(analysis, of_a_point),
         disk=OF_FILES + ON_DISK * of_a_point * points,
         workers=workers,
+        failed=dict(sample.failed),
     )
 
 
@@ -528,6 +545,10 @@ def _note(
     stratum.most.append(found.most)
     stratum.given_up += stratum.counts[-1] * (found.result is None)
     stratum.stored += found.nbytes
+    if found.result is not None:
+        block = found.result.block
+        codes = block.reason[block.status == STATUS.codes["failed"]].tolist()
+        stratum.failed.update(REASONS[code].name for code in codes)
 
 
 def _tried(
