@@ -22,6 +22,7 @@ from fiv_cli import api
 from fiv_cli.case.case import Refinement
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run as fiv
+from fiv_cli.data.block import Block
 from fiv_cli.sweep.borders import draw
 from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _spread, estimate, foreseen
 from fiv_cli.sweep.journal import Journal
@@ -33,6 +34,8 @@ from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.refine import Maps
 from fiv_cli.sweep.run import run_case
 from fiv_cli.sweep.worker import ChainState, Result, Segment, Task, run_task
+
+EMPTY = Block(np.zeros((0, 32), np.uint8), np.zeros(0, np.int8), np.zeros(0, np.int8))
 
 
 @pytest.mark.parametrize(
@@ -63,7 +66,7 @@ def test_an_estimate_holds_the_time_where_few_points_cost_nearly_all(
             yield 1.0 if at["v"] < 1.2 and at["N"] > 1.8 else 0.01
 
     def tried(_: object, __: object, segments: tuple[Segment, ...], share: float = 1.0) -> Tried:
-        found: Any = SimpleNamespace(states={0: ChainState(False, {}, "periodic")})
+        found: Any = SimpleNamespace(states={0: ChainState(False, {}, "periodic")}, block=EMPTY)
         seconds, nbytes = sum(costs(segments)), 100 * len(segments)
         if seconds > limit:
             return Tried(None, limit, 2.0 * seconds, nbytes)
@@ -88,7 +91,7 @@ def test_points_that_are_given_up_together_are_not_taken_for_dear_ones(
 
     def tried(_: object, __: object, segments: tuple[Segment, ...], share: float = 1.0) -> Tried:
         seconds = sum(0.2 if any(one.values[0]) else 0.02 for one in segments)
-        result: Any = None if seconds > 2.5 else SimpleNamespace(states={})
+        result: Any = None if seconds > 2.5 else SimpleNamespace(states={}, block=EMPTY)
         return Tried(result, min(seconds, 2.5), np.inf if result is None else seconds, 100)
 
     monkeypatch.setattr("fiv_cli.sweep.estimate._tried", tried)
