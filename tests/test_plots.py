@@ -843,6 +843,12 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     # where both are stable black, upon the colours of both
     assert begin.pop(BLACK.lower()) == pytest.approx(3.95)
     assert sorted(begin.values()) == pytest.approx([2.95, 3.95])
+    turns = {to_hex(line.get_color()): line.get_xdata().tolist() for line in ax.lines
+             if line.get_marker() == "|" and len(line.get_xdata())}  # fmt: skip
+    assert {colour: [at] for colour, at in begin.items()} == turns  # ... of which each is marked
+    assert "an equilibrium turns unstable" in legend_texts(ax)
+    (ax,) = draw([("one", analyses)], figure("bifurcation")).axes
+    assert "|" not in {line.get_marker() for line in ax.lines}
     short = {name: one.isel(Omega=slice(35)) for name, one in analyses.items()}
     (ax,) = draw([("all", analyses), ("part", short)], figure("bifurcation")).axes
     drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]

@@ -50,6 +50,8 @@ SECTION_WORDS = {
     "impact": "an impact",
 }
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
+TURNS_HERE = "an equilibrium turns unstable"
+TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 SAME = 1e-6  # relative distance of values of one motion
 ALIKE = 1e-3  # of heights that are the same in a figure
 
@@ -720,9 +722,10 @@ def _draw_equilibria(
 ) -> None:
     """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`.
 
-    Those of several diagrams, or at several values of other axes, have the colours of these.
+    Those of several diagrams, or at several values of other axes, have the colours of these; where
+    two are one line, it is marked where each of them changes.
     """
-    diagram = layer.dataset
+    diagram, turns, shared = layer.dataset, [], False
     axis = select.axis_of(diagram, str(axis.name))
     dim, x = str(axis.dims[0]), points.positions(axis)
     lines = points.lines(diagram, [dim, "initial"], points.grid_dims(diagram))
@@ -743,9 +746,15 @@ def _draw_equilibria(
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
-            _blacken_shared(ax, line)
+            shared |= _blacken_shared(ax, line)
+            new = ~np.isin(places, x) & np.isfinite(values) & (word == "unstable")
+            turns.append((places[new], values[new], line.get_color(), label))
         if colours and drawn and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
+    for places, values, colour, label in turns if shared else []:
+        ax.plot(places, values, color=colour, label=points.unlisted(label, TURNS_HERE), **TURN)
+    if shared and TURNS_HERE not in {line.get_label() for line in ax.lines}:
+        ax.plot([], [], color=style.BLACK, label=TURNS_HERE, **TURN)
 
 
 def _up_to(
@@ -768,13 +777,19 @@ def _share(changes: np.ndarray, one: float, other: float) -> float:
     return float((between[0] - one) / (other - one)) if between.size == 1 else 0.5
 
 
-def _blacken_shared(ax: Axes, line: Line2D) -> None:
-    """What is the same in two diagrams is of neither's colour: the later would hide the other."""
-    for other in [one for one in ax.lines[:-1] if one.get_linestyle() == line.get_linestyle()]:
-        shared = _shared(line, other)
-        if np.isfinite(shared).any():
-            ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
-                    zorder=line.get_zorder(), color=style.BLACK, label=DECORATION)  # fmt: skip
+def _blacken_shared(ax: Axes, line: Line2D) -> bool:
+    """What is the same in two diagrams is of neither's colour: the later would hide the other.
+
+    Tells whether there is any.
+    """
+    alike = [one for one in ax.lines[:-1] if one.get_linestyle() == line.get_linestyle()]
+    found = [
+        shared for shared in (_shared(line, one) for one in alike) if np.isfinite(shared).any()
+    ]
+    for shared in found:
+        ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
+                zorder=line.get_zorder(), color=style.BLACK, label=DECORATION)  # fmt: skip
+    return bool(found)
 
 
 def _shared(line: Line2D, other: Line2D) -> np.ndarray:
