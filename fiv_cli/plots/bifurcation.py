@@ -15,6 +15,7 @@ from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.lines import Line2D
 
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import CYCLE_END, NOT_COMPUTED, SECTION
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
     from matplotlib.typing import ColorType
 
 DEFAULT = "section_value"
@@ -50,6 +50,7 @@ SECTION_WORDS = {
     "impact": "an impact",
 }
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
+LEVEL = 3.5  # of lines of equilibria, above all but what lies on them
 TURNS_HERE = "an equilibrium turns unstable"
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 SAME = 1e-6  # relative distance of values of one motion
@@ -99,8 +100,12 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
         _draw_cycles(ax, own, axis, layer, name)
-    for layer, lines, found_at in zip(shown, equilibria, changes, strict=True):
-        _draw_equilibria(ax, layer, lines, found_at, axis)
+    turns = [
+        turn
+        for layer, lines, found_at in zip(shown, equilibria, changes, strict=True)
+        for turn in _draw_equilibria(ax, layer, lines, found_at, axis)
+    ]
+    _mark_turns(ax, turns)
     words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", words))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
@@ -719,13 +724,13 @@ def _draw_equilibria(
     equilibria: Mapping[str, xr.DataArray],
     changes: np.ndarray,
     axis: xr.DataArray,
-) -> None:
+) -> list[Line2D]:
     """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`.
 
-    Those of several diagrams, or at several values of other axes, have the colours of these; where
-    two are one line, it is marked where each of them changes.
+    Those of several diagrams, or at several values of other axes, have the colours of these.
+    Returned are marks where they turn unstable, not drawn yet.
     """
-    diagram, turns, shared = layer.dataset, [], False
+    diagram, turns = layer.dataset, []
     axis = select.axis_of(diagram, str(axis.name))
     dim, x = str(axis.dims[0]), points.positions(axis)
     lines = points.lines(diagram, [dim, "initial"], points.grid_dims(diagram))
@@ -744,16 +749,25 @@ def _draw_equilibria(
         for label, places, values in drawn:
             own = points.unlisted(label, called) if colours else called
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
-            (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
+            (line,) = ax.plot(places, values, dashes, lw=weight, zorder=LEVEL,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
-            shared |= _blacken_shared(ax, line)
+            _blacken_shared(ax, line)
             new = ~np.isin(places, x) & np.isfinite(values) & (word == "unstable")
-            turns.append((places[new], values[new], line.get_color(), label))
+            told = points.unlisted(label, TURNS_HERE)
+            turns.append(Line2D(places[new], values[new], color=line.get_color(), label=told))
         if colours and drawn and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
-    for places, values, colour, label in turns if shared else []:
-        ax.plot(places, values, color=colour, label=points.unlisted(label, TURNS_HERE), **TURN)
-    if shared and TURNS_HERE not in {line.get_label() for line in ax.lines}:
+    return turns
+
+
+def _mark_turns(ax: Axes, turns: Sequence[Line2D]) -> None:
+    """Where each of several equilibria that are one line turns unstable: the line tells of none."""
+    black = [one for one in ax.lines if one.get_label() == DECORATION and one.get_zorder() == LEVEL]
+    seen = [(one, np.array(one.get_data(), float)) for one in turns if black]
+    seen = [(one, places) for one, places in seen if places.size]
+    for one, places in seen:
+        ax.plot(*places, color=one.get_color(), label=one.get_label(), **TURN)
+    if seen:
         ax.plot([], [], color=style.BLACK, label=TURNS_HERE, **TURN)
 
 
@@ -777,19 +791,13 @@ def _share(changes: np.ndarray, one: float, other: float) -> float:
     return float((between[0] - one) / (other - one)) if between.size == 1 else 0.5
 
 
-def _blacken_shared(ax: Axes, line: Line2D) -> bool:
-    """What is the same in two diagrams is of neither's colour: the later would hide the other.
-
-    Tells whether there is any.
-    """
-    alike = [one for one in ax.lines[:-1] if one.get_linestyle() == line.get_linestyle()]
-    found = [
-        shared for shared in (_shared(line, one) for one in alike) if np.isfinite(shared).any()
-    ]
-    for shared in found:
-        ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
-                zorder=line.get_zorder(), color=style.BLACK, label=DECORATION)  # fmt: skip
-    return bool(found)
+def _blacken_shared(ax: Axes, line: Line2D) -> None:
+    """What is the same in two diagrams is of neither's colour: the later would hide the other."""
+    for other in [one for one in ax.lines[:-1] if one.get_linestyle() == line.get_linestyle()]:
+        shared = _shared(line, other)
+        if np.isfinite(shared).any():
+            ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
+                    zorder=line.get_zorder(), color=style.BLACK, label=DECORATION)  # fmt: skip
 
 
 def _shared(line: Line2D, other: Line2D) -> np.ndarray:
