@@ -445,9 +445,12 @@ def stem(name: str) -> str:
 
 
 def entries(names: Sequence[str]) -> list[Entry]:
-    """An entry for each line; the members of a random start share one (``far-000`` is ``far``)."""
+    """An entry for each line; the members of a random start share one (``far-000`` is ``far``).
+
+    What all starts share has the last: each start has its colour whether there is any or not.
+    """
     stems = [*map(stem, names)]
-    distinct = list(dict.fromkeys(stems))
+    distinct = sorted(dict.fromkeys(stems), key=lambda name: name.endswith(SHARED))
     colours = colours_of(distinct)
     numbers = [distinct.index(own) for own in stems]
     return [
