@@ -252,9 +252,9 @@ def test_what_will_be_there(text: str) -> None:
         (plane('level = { growth_rate = "" }'), "figure.0.level", "must be a number"),
         (plane("level = { damping_ratio = 0 }"), "figure.0.level.damping_ratio", "for each mode"),
         (
-            plane('variable = "L_s"', "level = [1, 2, 3, 4, 5]"),
+            plane('variable = "L_s"', "level = [1, 2, 3, 4, 5, 6, 7, 8, 9]"),
             "figure.0.level",
-            "5 lines in one map",
+            "9 lines in one map",
         ),
         (plane("level = { growth_rate = [] }"), "figure.0.level", "not an empty list"),
         (figure('kind = "curve"', "contact = 2"), "figure.0.contact", "has no contact"),

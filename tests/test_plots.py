@@ -2285,7 +2285,7 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     [
         ({"variable": "L_s"}, "no `level`"),
         ({"variable": "attractor", "level": 0.5}, "classes have no level"),
-        ({"variable": "L_s", "level": [1, 2, 3, 4, 5]}, "5 levels"),
+        ({"variable": "L_s", "level": [*range(9)]}, "9 levels"),
     ],
 )
 def test_lines_that_cannot_be_drawn_are_refused(settings, message):
@@ -2462,7 +2462,7 @@ def test_what_is_taken_has_lines_of_what_it_is_not_taken_of():
     ("level", "message"),
     [
         ({"stable": 0.5}, "stable: no variable of this dataset"),
-        ({"growth_rate": 0.0, "L_s": [1, 2, 3, 4]}, "5 levels in one figure"),
+        ({"growth_rate": 0.0, "L_s": [*range(1, 9)]}, "9 levels in one figure"),
         ({"attractor": 0.5}, "classes have no level\ndraw the level of a number"),
     ],
 )

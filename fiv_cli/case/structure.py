@@ -115,7 +115,7 @@ Interval = Annotated[
 Levels = Annotated[Any, PlainValidator(check_levels), WithJsonSchema(LEVELS_SCHEMA)]
 
 
-MOST_LINES = 4
+MOST_LINES = 8
 """Levels in one map whose lines can be told apart."""
 
 MOST_LEVELS = 12

@@ -44,7 +44,10 @@ PAD = 0.25  # around a level that is written, in heights of its letters
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 NOT_KNOWN = "not known"
 RIM: Any = [withStroke(linewidth=2.3, foreground="white")]  # of lines on any shade
-STYLES = ("solid", "dashed", "dotted", "dashdot")
+STYLES: tuple[Any, ...] = (
+    *("solid", "dashed", "dotted", "dashdot"),
+    *((0, (8.0, 2.0)), (0, (5.0, 1.5, 1.0, 1.5, 1.0, 1.5)), (0, (2.0, 1.0)), (0, (1.0, 4.0))),
+)
 
 
 def asked(mapped: str, said: Any) -> dict[str, list[float] | str]:
