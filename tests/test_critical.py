@@ -331,13 +331,26 @@ def test_a_root_on_what_divides_the_bracket_is_found(root, rounding, slope) -> N
 
 
 @pytest.mark.parametrize("rounding", [0.0, 1e-17, -1e-17])
-@pytest.mark.parametrize("slope", [1.0, -1.0])
-def test_a_root_at_the_edge_of_the_bracket_has_its_direction_if_it_is_found(rounding, slope):
-    for low, high in ((0.375, 1.0), (0.0, 0.375)):
-        mode = probe_of(lambda s: complex(slope * (s - 0.375) + rounding, 3.0))
-        for found in find_crossings(mode, low, high):
-            assert found.direction == ("to_unstable" if slope > 0.0 else "to_stable")
-            assert abs(found.below - found.above) == 2
+@pytest.mark.parametrize(
+    ("slope", "bracket", "count"),
+    [
+        (1.0, (0.375, 1.0), 1),
+        (-1.0, (0.375, 1.0), 0),
+        (1.0, (0.0, 0.375), 0),
+        (-1.0, (0.0, 0.375), 1),
+    ],
+)
+def test_a_root_at_an_edge_of_the_bracket_is_one_where_something_grows_inside(
+    slope, bracket, count, rounding
+) -> None:
+    """At the edge itself nothing grows, whatever it does beyond."""
+    found = find_crossings(
+        probe_of(lambda s: complex(slope * (s - 0.375) + rounding, 3.0)), *bracket
+    )
+    assert len(found) == count
+    for one in found:
+        assert one.direction == ("to_unstable" if slope > 0.0 else "to_stable")
+        assert abs(one.below - one.above) == 2 and one.value == pytest.approx(0.375, abs=1e-12)
 
 
 @pytest.mark.parametrize("c1", [0.0025, 0.015, 0.1, 0.4])

@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import re
 import signal
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -22,7 +23,6 @@ from fiv_cli import api
 from fiv_cli.case.case import Refinement
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run as fiv
-from fiv_cli.data.block import Block
 from fiv_cli.sweep.borders import draw
 from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _spread, estimate, foreseen
 from fiv_cli.sweep.journal import Journal
@@ -34,8 +34,6 @@ from fiv_cli.sweep.progress import Silent
 from fiv_cli.sweep.refine import Maps
 from fiv_cli.sweep.run import run_case
 from fiv_cli.sweep.worker import ChainState, Result, Segment, Task, run_task
-
-EMPTY = Block(np.zeros((0, 32), np.uint8), np.zeros(0, np.int8), np.zeros(0, np.int8))
 
 
 @pytest.mark.parametrize(
@@ -66,7 +64,9 @@ def test_an_estimate_holds_the_time_where_few_points_cost_nearly_all(
             yield 1.0 if at["v"] < 1.2 and at["N"] > 1.8 else 0.01
 
     def tried(_: object, __: object, segments: tuple[Segment, ...], share: float = 1.0) -> Tried:
-        found: Any = SimpleNamespace(states={0: ChainState(False, {}, "periodic")}, block=EMPTY)
+        found: Any = SimpleNamespace(
+            states={0: ChainState(False, {}, "periodic")}, failures=Counter
+        )
         seconds, nbytes = sum(costs(segments)), 100 * len(segments)
         if seconds > limit:
             return Tried(None, limit, 2.0 * seconds, nbytes)
@@ -91,7 +91,7 @@ def test_points_that_are_given_up_together_are_not_taken_for_dear_ones(
 
     def tried(_: object, __: object, segments: tuple[Segment, ...], share: float = 1.0) -> Tried:
         seconds = sum(0.2 if any(one.values[0]) else 0.02 for one in segments)
-        result: Any = None if seconds > 2.5 else SimpleNamespace(states={}, block=EMPTY)
+        result: Any = None if seconds > 2.5 else SimpleNamespace(states={}, failures=Counter)
         return Tried(result, min(seconds, 2.5), np.inf if result is None else seconds, 100)
 
     monkeypatch.setattr("fiv_cli.sweep.estimate._tried", tried)
@@ -210,7 +210,11 @@ def test_an_estimate_tells_of_points_that_failed(
     )
     assert fiv(["check", str(case), "--estimate"]) == 0
     told = capsys.readouterr().out
-    assert "    of these 3 points 1 failed: no_drive: the drive of a contact stands still" in told
+    assert "    of 3 points 1 failed: no_drive: the drive of a contact stands still" in told
+    plane = case.read_text().replace("v = [", "c = [0.1, 0.2, 0.3]\nv = [")
+    case.write_text(plane + '[sweep]\nrefine = { of = "stable", levels = 1 }\n')
+    assert fiv(["check", str(case), "--estimate"]) == 0
+    assert " failed: no_drive: the drive of a contact stands still" in capsys.readouterr().out
 
 
 def test_a_sample_is_spread_over_every_axis_and_reaches_every_point() -> None:
@@ -249,7 +253,7 @@ def test_a_map_grows_as_its_borders_do(
     def run(positions: Sequence[int]) -> Tried:
         nonlocal clock
         clock += len(positions)
-        result: Any = SimpleNamespace(block=Disc(positions))
+        result: Any = SimpleNamespace(block=Disc(positions), failures=Counter)
         return Tried(result, float(len(positions)), float(len(positions)), len(positions))
 
     monkeypatch.setattr("fiv_cli.sweep.map_estimate.time.monotonic", lambda: clock)

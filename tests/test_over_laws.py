@@ -95,5 +95,7 @@ def test_random_starts_are_others_under_each_law_and_are_not_compared() -> None:
     dataset = response(classes, np.ones((2, 3)), {"friction": LAWS[:2], "initial": labels})
     assert over_laws.spread(dataset)["attractor"]["points"] == 3
     dataset.attrs["starts_json"] = '{"rest": "state", "far": "random"}'
-    assert over_laws.spread(dataset)["attractor"]["points"] == 1
+    told = over_laws.spread(dataset)
+    assert told["attractor"]["points"] == 1
+    assert over_laws.WITHOUT_RANDOM in over_laws.lines(told)
     assert over_laws.spread(dataset.isel(initial=[1, 2])) == {}

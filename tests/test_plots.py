@@ -1748,7 +1748,9 @@ def test_what_has_no_logarithm_is_counted_and_no_limit_reaches_for_it(log, store
     assert f"not above 0, not shown: {np.isfinite(y).sum() - shown.sum()}" in legend_texts(ax)
     assert ax.dataLim.y0 == y[shown].min()
     remark = f"not above 0, not shown: {np.isfinite(y).sum() - shown.sum()}"
-    assert f',"{remark}",,nan,nan' in as_csv(drawn, Path("log.csv"))  # nor are they in the table silently
+    assert f',"{remark}",,nan,nan' in as_csv(
+        drawn, Path("log.csv")
+    )  # nor are they in the table silently
 
 
 # --- map ---------------------------------------------------------------------------------------

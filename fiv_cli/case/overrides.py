@@ -82,6 +82,8 @@ def _as_written(document: Mapping[str, Any], override: Override) -> Override:
         name = axis_name(".".join(keys[1:end]))
         if name in written and len(keys) >= end:
             return replace(override, keys=(*written[name], *keys[end:]))
+    if len(keys) > 2 and isinstance(grid.get(keys[1]), list) and keys[1] in WITH_A_DOT:
+        return replace(override, keys=("grid", f"{keys[1]}.{keys[2]}", *keys[3:]))  # beside laws
     return override
 
 

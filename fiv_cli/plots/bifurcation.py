@@ -281,8 +281,9 @@ def _mark_finely(ax: Axes, cloud: _Cloud, entry: points.Entry, size: float, rest
     """The values of one cloud that do not crowd, and its points at rest, as dots."""
     _mark_values(ax, cloud, replace(entry, label=points.unlisted(entry.label)), size, 1, many=True)
     dots = style.mark_of(0, 1, size) | {"ls": "none", "color": entry.colour, "rasterized": True}
-    told = points.unlisted(entry.label, resting)
-    ax.plot(cloud.rest_x, cloud.rest_y, zorder=4, label=told, **dots)
+    for part, word in ((~cloud.told, resting), (cloud.told, "equilibrium")):
+        label = points.unlisted(entry.label, word)
+        ax.plot(cloud.rest_x[part], cloud.rest_y[part], zorder=4, label=label, **dots)
 
 
 def _mark_some(
@@ -290,11 +291,11 @@ def _mark_some(
 ) -> None:
     """Marks of clouds at places in turn, as far apart as they are seen as such, and their keys."""
     before = len(ax.lines)
-    places = np.unique(np.concatenate([own for one, _ in pairs for own in (one.x, one.rest_x)]))
-    every = 1 + places.size // SHAPES
+    every = 1 + np.unique(np.concatenate([one.x for one, _ in pairs])).size // SHAPES
     for turn, (cloud, entry) in enumerate(pairs):
-        own = _at(cloud, places[turn * every // len(pairs) :: every])
-        own = _at(own, own.x[own.crowded], without=True)
+        places = np.unique(np.append(cloud.x[~cloud.crowded], cloud.rest_x))
+        first = min(turn * every // len(pairs), max(places.size - 1, 0))
+        own = _at(cloud, places[first::every]) if places.size else cloud
         _mark_values(ax, own, entry, APART, sorts, many=False)
         _mark_rests(ax, own, entry, APART, sorts, resting)
     for line in ax.lines[before:]:
@@ -746,15 +747,14 @@ def _draw_equilibria(
             if np.isfinite(own).any()
         ]
         called = f"{word} equilibrium"
-        for label, places, values in drawn:
+        for label, places, values, met in drawn:
             own = points.unlisted(label, called) if colours else called
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             (line,) = ax.plot(places, values, dashes, lw=weight, zorder=LEVEL,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
             _blacken_shared(ax, line)
-            new = ~np.isin(places, x) & np.isfinite(values) & (word == "unstable")
             told = points.unlisted(label, TURNS_HERE)
-            turns.append(Line2D(places[new], values[new], color=line.get_color(), label=told))
+            turns += [Line2D(*met, color=line.get_color(), label=told)] * (word == "unstable")
         if colours and drawn and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
     return turns
@@ -773,16 +773,17 @@ def _mark_turns(ax: Axes, turns: Sequence[Line2D]) -> None:
 
 def _up_to(
     changes: np.ndarray, x: np.ndarray, every: np.ndarray, own: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Places and heights of one's own among `every` equilibrium, up to where it turns another's.
 
-    Between two neighbours that is the only one of the `changes` there, else the middle.
+    Between two neighbours that is the only one of the `changes` there, else the middle. Last comes
+    where it turns, shape (2, turns).
     """
     known, goes_on = np.isfinite(own), np.isfinite(every[1:] + every[:-1])
     right = 1 + np.flatnonzero((known[1:] != known[:-1]) & goes_on)
     share = np.array([_share(changes, x[at - 1], x[at]) for at in right])
     at, height = (of[right - 1] + share * (of[right] - of[right - 1]) for of in (x, every))
-    return np.insert(x, right, at), np.insert(own, right, height)
+    return np.insert(x, right, at), np.insert(own, right, height), np.array([at, height])
 
 
 def _share(changes: np.ndarray, one: float, other: float) -> float:

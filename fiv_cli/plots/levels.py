@@ -94,14 +94,18 @@ def under_panels(dataset: xr.Dataset, mapped: xr.Dataset, dims: Collection[str])
     otherwise are left as they are.
     """
     for dim in dims:
+        axes = [axis for axis in mapped.coords.values() if axis.dims == (dim,)]
         if dim not in dataset.dims:
-            fixed = _held(dataset, dim)
-            if fixed is None:
+            fixed = {str(axis.name): _held(dataset, str(axis.name)) for axis in axes}
+            held = {name: value for name, value in fixed.items() if value is not None}
+            if not held:
                 continue
-            dataset = dataset.drop_vars(dim, errors="ignore").expand_dims({dim: [fixed]})
-        one, two = (select.axis_of(of, dim).values for of in (dataset, mapped))
-        if np.isin(one, two).any() or (one.size == 1 and dim != "initial"):
-            dataset = _as_along(dataset, mapped, dim)
+            dataset = dataset.drop_vars(held, errors="ignore").expand_dims(dim)
+            dataset = dataset.assign_coords({name: (dim, [value]) for name, value in held.items()})
+        pairs = [(dataset[axis.name], axis) for axis in axes if axis.name in dataset.coords]
+        met = np.all([one.values[None] == two.values[:, None] for one, two in pairs], axis=0)
+        if pairs and (met.any() or (dataset.sizes[dim] == 1 and dim != "initial")):
+            dataset = _as_along(dataset, axes, met, dim)
     return dataset
 
 
@@ -113,16 +117,17 @@ def _held(dataset: xr.Dataset, name: str) -> Any:
     return axis.item() if axis is not None and axis.ndim == 0 else None
 
 
-def _as_along(dataset: xr.Dataset, mapped: xr.Dataset, dim: str) -> xr.Dataset:
-    """What it has along an axis as another dataset has it, unknown where it has none."""
-    one, two = (select.axis_of(of, dim) for of in (dataset, mapped))
-    met = one.values[None] == two.values[:, None]
-    is_there = one.isel({dim: met.argmax(axis=1)}).copy(data=met.any(axis=1)).variable
-    taken = dataset.isel({dim: met.argmax(axis=1)}).drop_vars(str(one.name))
+def _as_along(
+    dataset: xr.Dataset, axes: Sequence[xr.DataArray], met: np.ndarray, dim: str
+) -> xr.Dataset:
+    """What it has along the axes of a dim, where it is `met` there; unknown elsewhere."""
+    is_there = axes[0].copy(data=met.any(axis=1)).variable
+    own = [name for name, one in dataset.coords.items() if dim in one.dims]
+    taken = dataset.isel({dim: met.argmax(axis=1)}).drop_vars(own)
     known = {
-        name: own.where(is_there, other=np.nan) for name, own in taken.items() if dim in own.dims
+        name: one.where(is_there, other=np.nan) for name, one in taken.items() if dim in one.dims
     }
-    return taken.assign(known).assign_coords({str(one.name): two.variable})
+    return taken.assign(known).assign_coords({str(axis.name): axis.variable for axis in axes})
 
 
 def at_the_map(

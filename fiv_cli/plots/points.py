@@ -470,6 +470,7 @@ def colours_of(names: Sequence[str]) -> dict[str, ColorType]:
     of_values = _of_one_parameter(names)
     ramp = [name for own in of_values if len(own) > len(style.LINES) for name in own]
     others = [name for name in names if name not in ramp]
+    others, ramp = (others, ramp) if len(others) <= len(style.LINES) else ([], [*names])
     return {
         name: colour
         for some in (others, ramp)

@@ -25,6 +25,7 @@ HEADING = (
 )
 OPEN = (NOT_COMPUTED, "undecided")  # no class
 OF_STICK = ("stick_fraction", "slip_fraction")  # say nothing of a law that never sticks
+WITHOUT_RANDOM = "    random starts are others under each law, and are left out"
 NAMED = 4  # stretches of a grid that are named
 ROUNDING = 1e-12  # relative; numbers that differ by no more are one
 ALIKE = (
@@ -47,13 +48,15 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     ``highest``. Of several crossings the first is meant, where it is of one direction under every
     law. Numbers that differ nowhere are left out;
     of shares of stick and slip the laws ``without`` stick are. Random starts are others under each
-    law, and are left out.
+    law, and are left out: facts have ``random_starts`` where there are any.
     """
     if LAWS not in dataset["status"].dims or dataset.sizes[LAWS] < 2:
         return {}
+    random: dict[str, Any] = {}
     if "initial" in dataset["status"].dims:
         same = ~np.isin([family_of(one) for one in dataset["initial"].values], drawn_of(dataset))
         dataset = dataset.isel(initial=np.flatnonzero(same))
+        random = {} if same.all() else {"random_starts": "left out"}
     if not dataset["status"].size:
         return {}
     grid = dataset["status"].dims
@@ -63,7 +66,7 @@ def spread(dataset: xr.Dataset) -> dict[str, Any]:
     first = [_first(one, dataset) if "crossing" in one.dims else one for one in held]
     told = {str(variable.name): _told(variable) for variable in first if variable.dims == grid}
     return {
-        name: facts
+        name: facts | random
         for name, facts in told.items()
         if facts["points"] and facts.get("greatest", 1.0) > ROUNDING
     }
@@ -156,7 +159,8 @@ def lines(spreads: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """The same for people."""
     alike = all(facts.get("same") == facts["points"] for facts in spreads.values())
     told = [line for name, facts in spreads.items() for line in _lines(name, facts)]
-    return [HEADING, *told, *[ALIKE] * alike] if spreads else []
+    random = any("random_starts" in facts for facts in spreads.values())
+    return [HEADING, *[WITHOUT_RANDOM] * random, *told, *[ALIKE] * alike] if spreads else []
 
 
 def _lines(name: str, facts: Mapping[str, Any]) -> Iterator[str]:

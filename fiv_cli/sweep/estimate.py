@@ -18,7 +18,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import ceil, exp, hypot, inf, prod, sqrt
-from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -30,7 +29,7 @@ from fiv_cli.case.case import Case
 from fiv_cli.case.identity import default_output, differences
 from fiv_cli.data.assemble import LARGE
 from fiv_cli.data.log import run_folder
-from fiv_cli.flags import REASONS, STATUS, advice
+from fiv_cli.flags import advice
 from fiv_cli.notation.amounts import HOUR, duration, size
 from fiv_cli.sweep.journal import Journal, Record, stored_identity
 from fiv_cli.sweep.map_estimate import Cost, Drawing
@@ -108,7 +107,7 @@ class Estimate:
     def failures(self) -> list[str]:
         """Why points of the sample failed, for people: those of the run will, too."""
         return [
-            f"    of these {self.sampled} points {count} failed: {reason}: {advice(reason)}"
+            f"    of {counted(self.sampled)} {count} failed: {reason}: {advice(reason)}"
             for reason, count in self.failed.items()
         ]
 
@@ -347,6 +346,7 @@ class Sample(NamedTuple):
     stored : bytes of the results
     cost : of all points, on one core
     errors : standard errors of its least and its most time, over these
+    failed : why points failed, and how many
     """
 
     run: int
@@ -354,7 +354,7 @@ class Sample(NamedTuple):
     stored: int
     cost: Cost
     errors: tuple[float, float]
-    failed: Mapping[str, int] = MappingProxyType({})
+    failed: Counter[str]
 
 
 def _of_strata(strata: Sequence[Stratum], points: int, left: float) -> Sample:
@@ -368,7 +368,7 @@ def _of_strata(strata: Sequence[Stratum], points: int, left: float) -> Sample:
         stored=sum(stratum.stored for stratum in strata),
         cost=Cost((left * points, left * points), (low, high)),
         errors=(least, most),
-        failed=sum((stratum.failed for stratum in strata), Counter()),
+        failed=sum((stratum.failed for stratum in strata), Counter[str]()),
     )
 
 
@@ -400,7 +400,8 @@ def _of_maps(
     tried = sum(int(drawing.was_run.sum()) for drawing in drawings)
     given_up = sum(drawing.given_up for drawing in drawings)
     stored = sum(drawing.stored for drawing in drawings)
-    return Sample(tried, given_up, stored, cost, (error, error))
+    failed = sum((drawing.failed for drawing in drawings), Counter[str]())
+    return Sample(tried, given_up, stored, cost, (error, error), failed)
 
 
 def _at(analysis: AnalysisPlan, run: Try, positions: Sequence[int]) -> Tried:
@@ -546,9 +547,7 @@ def _note(
     stratum.given_up += stratum.counts[-1] * (found.result is None)
     stratum.stored += found.nbytes
     if found.result is not None:
-        block = found.result.block
-        codes = block.reason[block.status == STATUS.codes["failed"]].tolist()
-        stratum.failed.update(REASONS[code].name for code in codes)
+        stratum.failed += found.result.failures()
 
 
 def _tried(

@@ -9,8 +9,9 @@ more (`MIXED`).
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +45,7 @@ class Drawing:
     run : computes the points at some positions, row by row
     at_once : how many points that are
     stored, given_up : bytes of what was run, and points that took too long
+    failed : why others failed, and how many
     seconds : what each point took that was run, least and most, else NaN
     given : points that were stored from the beginning
     """
@@ -56,6 +58,7 @@ class Drawing:
     at_once: int
     stored: int = 0
     given_up: int = 0
+    failed: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
         self.seconds = np.full((2, *self.known.shape), np.nan)
@@ -85,6 +88,7 @@ class Drawing:
             self.given_up += len(places)
             return
         self.classes.ravel()[places] = self.maps.classes_of(result.block)
+        self.failed += result.failures()
 
     @property
     def was_run(self) -> Mask:

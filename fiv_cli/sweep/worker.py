@@ -15,6 +15,7 @@ import signal
 import sys
 import time
 import traceback
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, islice
@@ -28,6 +29,7 @@ from fiv_cli.analyses.catalogue import variables_of
 from fiv_cli.analyses.variables import Variable
 from fiv_cli.data.block import Block, pack
 from fiv_cli.data.states import on_all_states
+from fiv_cli.flags import REASONS, STATUS
 from fiv_cli.own.load import know
 from fiv_cli.sweep.chain import Chain, ChainState, state_after
 from fiv_cli.sweep.requests import (
@@ -108,6 +110,11 @@ class Result:
     seconds: float
     longest: tuple[int, float] = (0, 0.0)
     states: dict[int, ChainState] = field(default_factory=dict)
+
+    def failures(self) -> Counter[str]:
+        """Reasons for which points failed, and of how many."""
+        codes = self.block.reason[self.block.status == STATUS.codes["failed"]]
+        return Counter(REASONS[code].name for code in codes.tolist())
 
 
 def run_task(task: Task) -> Result:

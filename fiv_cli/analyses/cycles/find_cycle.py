@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, replace
 from functools import partial
 from typing import Any, cast
@@ -41,7 +41,8 @@ from fiv_cli.dynamics.system import System
 
 NEUTRAL = 1e-8  # distance from 1 at which a multiplier is 1 to the accuracy of a cycle
 STRIDE = 0.1  # share by which the period may change from neighbour to neighbour
-COURSE = 1e-3  # share by which a swing changes at least that is said to grow or to die away
+COURSE, LEAST_RETURNS = 3.0, 2  # times so long, and so many returns, by which it is told ...
+SETTLED = 1e-3  # ... whether a swing grows or dies away: by which share it changes at least
 BRIDGES = 5  # halvings of the way between neighbours
 
 
@@ -102,7 +103,7 @@ def _without_return(problem: Problem, passed: Returns, settings: Settings) -> Ou
 
 def _where_it_was(problem: Problem, begin: Begin, passed: Returns, settings: Settings) -> str:
     """What the start led to that is no cycle: when, and how, the motion returned last."""
-    (begun, ended), start = passed.times[-2:], settings["transient"]
+    begun, ended = passed.times[-2:]
     names = problem.system.state_names
     name = settings["observe"] or names[0]
 
@@ -110,21 +111,34 @@ def _where_it_was(problem: Problem, begin: Begin, passed: Returns, settings: Set
         guess = guess_between(problem, begin, one, other)
         return 0.0 if guess is None else 2.0 * float(guess.scales[names.index(name)])
 
-    first, last = swing(start, start + ended - begun), swing(begun, ended)
+    last = swing(begun, ended)
     return (
         f"{_place(problem, settings)}the motion returns last at t = {ended:.6g} s, "
         f"{ended - begun:.6g} s after the return before; between them {name} "
-        f"{f'swings by {last:.3g}' if last > 0.0 else 'rests'}{_course(first, last)}"
+        f"{f'swings by {last:.3g}' if last > 0.0 else 'rests'}"
+        f"{_course(problem, begin, settings, swing)}"
     )
 
 
-def _course(first: float, last: float) -> str:
-    """On which side of a cycle that repels a start lies, where swings tell."""
-    if not abs(last - first) > COURSE * first > 0.0:
+def _course(
+    problem: Problem, begin: Begin, settings: Settings, swing: Callable[[float, float], float]
+) -> str:
+    """On which side of a cycle that repels a start lies, where swings tell: over several returns.
+
+    A motion that is followed for a few periods only is followed on for it.
+    """
+    longer = settings["transient"] + COURSE * (settings["t_max"] - settings["transient"])
+    times = returns(problem, begin, settings["transient"], longer).times
+    many = (len(times) - 1) // 2
+    if many < LEAST_RETURNS:
+        return ""
+    first, last = swing(times[0], times[many]), swing(times[-1 - many], times[-1])
+    if not abs(last - first) > SETTLED * first > 0.0:
         return ""
     course, size = ("dies away", "greater") if last < first else ("grows", "smaller")
     return (
-        f"; at first it swung by {first:.3g}: it {course}, and a cycle that repels would be {size}"
+        f"; it swings by {first:.3g} at first, then by {last:.3g}: it {course}, and a cycle that "
+        f"repels would be {size}"
     )
 
 
