@@ -609,6 +609,34 @@ def test_marks_that_would_be_bars_are_dots_and_marks_at_some_of_them():
     assert {"near", "far", "both starts", "at rest"} == {*legend_texts(ax)}
 
 
+def dense(rows, classes):
+    """A diagram of 900 columns and two starts."""
+    omega, shape = np.linspace(0.5, 5.0, 900), (900, 2)
+    coords = data.axes(Omega=omega, initial=["near", "far"])
+    return data.response(classes.reshape(shape), np.ones(shape), coords, rows=rows)
+
+
+def test_a_start_that_differs_in_a_narrow_window_of_a_dense_diagram_has_a_mark():
+    window = np.arange(900) // 25 == 20
+    rows = [[0.01 * n + 0.5 * (far and own)] for n, own in enumerate(window) for far in (0, 1)]
+    (ax,) = draw(dense(rows, np.full(1800, "periodic", object)), figure("bifurcation")).axes
+    keys = {str(line.get_label()): line.get_marker() for line in ax.lines if line.get_label()}
+    drawn = {line.get_marker() for line in ax.lines if len(line.get_xdata())}
+    assert {keys["near"], keys["far"]} == {"o", "+"} < drawn
+
+
+def test_the_key_of_what_only_crowds_is_a_dot_in_a_dense_diagram_too():
+    rows = [
+        [0.01 * n] if start == "near" else [*(0.02 * n + 0.001 * np.arange(12))]
+        for n in range(900)
+        for start in ("near", "far")
+    ]
+    classes = np.array(["periodic", "chaotic"] * 900)
+    (ax,) = draw(dense(rows, classes), figure("bifurcation")).axes
+    keys = {str(line.get_label()): line.get_marker() for line in ax.lines}
+    assert (keys["near"], keys["far"]) == ("o", ".")
+
+
 def dots_of(drawn):
     """The lines of full dots."""
     return [
