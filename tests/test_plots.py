@@ -2016,6 +2016,17 @@ def test_words_of_ones_own_are_in_tables_and_under_axes_of_names():
     assert [text.get_text() for text in ax.get_xticklabels()] == ["near", "away"]
 
 
+def test_words_of_ones_own_may_stand_for_a_variable_by_its_name():
+    dataset = data.bifurcation()
+    dataset = dataset.assign(L_s_reference=dataset["L_s"].assign_attrs(long_name="reference of x"))
+    words = {"L_s": "strength", "L_s_reference": "rest"}
+    wanted = figure(
+        "curve", variable=["L_s", "L_s_reference"], select={"initial": "near"}, words=words
+    )
+    told = legend_texts(draw(dataset, wanted))
+    assert {"strength", "rest"} <= {*told}
+
+
 def test_a_contact_has_the_same_name_however_a_figure_writes_it():
     with style.looks(words={"contact 1": "belt", "x": ""}):
         told = style.worded("x, contact = 1, contact 10, contact 1 sticks, $x$, $\\dot{x}$")

@@ -448,8 +448,8 @@ class FigureTable(Table):
     ylabel: str | None = Field(default=None, description="label of y, in place of its own")
     words: dict[Annotated[str, StringConstraints(min_length=1)], str] = Field(
         default={},
-        description="what stands in the legend and at axes -> what to write in its place: "
-        '{ "contact 1" = "lower belt", "equilibrium" = "steady sliding" }',
+        description="what stands in the legend and at axes, or the variable that does -> what to "
+        'write in its place: { "contact 1" = "lower belt", "equilibrium" = "steady sliding" }',
     )
     unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit: Hz or rad/s")
     resolution: Quantity | None = Field(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,7 +29,7 @@ from fiv_cli.plots import (
     style,
 )
 from fiv_cli.plots import map as map_
-from fiv_cli.plots.labels import title_of, value_label
+from fiv_cli.plots.labels import name_of, title_of, value_label
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
 from fiv_cli.reading.datasets import analysis_of, figures_in, read_analyses
@@ -248,13 +248,20 @@ def draw(
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
     if len(layers) > 1:  # each of them is called by what it differs in
         layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
-    with style.looks(axis, look, settings.get("words")):
+    words = settings.get("words", {})
+    with style.looks(axis, look, words, _called(words, layers)):
         drawn = kind.draw(layers, settings)
         points.relabel(drawn, settings)
         for ax in style.own_axes(drawn) if settings.keys() & {"xlim", "ylim"} else ():
             points.show_on_the_frame(ax)
         style.finish(drawn)
         return drawn
+
+
+def _called(words: Collection[str], layers: Sequence[points.Layer]) -> dict[str, str]:
+    """What a figure calls those of some words that are names of variables."""
+    every = [dataset for one in layers for dataset in (one.dataset, *one.beside)]
+    return {word: name_of(one[word]) for word in words for one in every if word in one.data_vars}
 
 
 def _checked(figure: FigureSpec) -> Settings:

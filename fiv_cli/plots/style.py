@@ -18,6 +18,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -234,6 +235,9 @@ _LOOK: ContextVar[Look] = ContextVar("_LOOK", default=SCREEN)
 _WORDS: ContextVar[Mapping[str, str] | None] = ContextVar("_WORDS", default=None)
 """What stands in texts -> what to write in its place."""
 
+_CALLED: ContextVar[Mapping[str, str]] = ContextVar("_CALLED", default=MappingProxyType({}))
+"""Name of a variable -> what it is called in figures."""
+
 _MET: ContextVar[set[str] | None] = ContextVar("_MET", default=None)
 """What of it stood in some."""
 
@@ -246,14 +250,19 @@ _OTHERS: ContextVar[Sequence[Axes]] = ContextVar("_OTHERS", default=())
 
 @contextmanager
 def looks(
-    axis: Axes | None = None, look: Look | None = None, words: Mapping[str, str] | None = None
+    axis: Axes | None = None,
+    look: Look | None = None,
+    words: Mapping[str, str] | None = None,
+    called: Mapping[str, str] = MappingProxyType({}),
 ) -> Iterator[None]:
     """The settings above over matplotlib's own defaults, whatever the user's configuration.
 
     What is drawn meanwhile is drawn on `axis`, if one is given, and written in `words` of its own.
+    Some of these may be names of variables, which a figure shows as they are `called`.
     """
     look = look or SCREEN
     given, looking, writing = _GIVEN.set(axis), _LOOK.set(look), _WORDS.set(words)
+    calling = _CALLED.set(called)
     met = _MET.set(set())
     root = axis.figure.figure if axis else None
     beside = _OTHERS.set([one for one in root.axes if one is not axis] if root else ())
@@ -266,6 +275,7 @@ def looks(
         _GIVEN.reset(given)
         _LOOK.reset(looking)
         _WORDS.reset(writing)
+        _CALLED.reset(calling)
         _MET.reset(met)
         _OTHERS.reset(beside)
 
@@ -282,7 +292,10 @@ def worded(text: str) -> str:
     spelt = {
         form: word
         for word in own
-        for form in (word, labels.with_symbols(word), re.sub(r"(?<=[a-z]) (?=\d+$)", " = ", word))
+        for form in (
+            *(word, labels.with_symbols(word), re.sub(r"(?<=[a-z]) (?=\d+$)", " = ", word)),
+            _CALLED.get().get(word, word),
+        )
     }
     longest = "|".join(re.escape(form) for form in sorted(spelt, key=len, reverse=True))
     known = rf"(?<!\w)(?:{longest})(?!\w|\.\d)|\$[^$]*\$"
