@@ -2023,7 +2023,8 @@ def test_words_of_ones_own_may_stand_for_a_variable_by_its_name():
     wanted = figure(
         "curve", variable=["L_s", "L_s_reference"], select={"initial": "near"}, words=words
     )
-    told = legend_texts(draw(dataset, wanted))
+    drawn = draw(dataset, wanted)
+    told = [text.get_text() for one in drawn.findobj(Legend) for text in one.get_texts()]
     assert {"strength", "rest"} <= {*told}
 
 
