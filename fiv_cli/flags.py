@@ -179,7 +179,8 @@ REASONS: tuple[Reason, ...] = (
         "undecided_in_part",
         "runs in part of the bracket have no class, or not the number that is asked for (where "
         "contact is lost, say), so what changes there is not known: raise t_max, ask for a class, "
-        "or look at `scan_class` and shorten the bracket",
+        "look at `scan_class` and shorten the bracket, or let what is undecided count as another "
+        'class than the one asked for: of = { ..., undecided = "counts" }',
     ),
     Reason(
         "branch_ended",

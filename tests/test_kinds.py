@@ -138,9 +138,12 @@ def test_variables_are_listed_to_whom_a_figure_was_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     case = tmp_path / "belt.toml"
-    case.write_text(f'{BELT}\n[[figure]]\nkind = "curve"\nname = "wrong"\nvariable = "share"\n')
+    case.write_text(f'{BELT}\n[[figure]]\nkind = "curve"\nname = "wrong"\nvariable = "force"\n')
     assert run(["check", str(case)]) == 3
     assert "`fiv variables" in capsys.readouterr().err
+    case.write_text(case.read_text().replace("force", "shares"))
+    assert run(["check", str(case)]) == 3
+    assert 'take = { what = "share", of = "each", over = "initial" }' in capsys.readouterr().err
     assert "\nstick_fraction " in printed(capsys, "variables", str(case))
 
 

@@ -2016,6 +2016,40 @@ def test_words_of_ones_own_are_in_tables_and_under_axes_of_names():
     assert [text.get_text() for text in ax.get_xticklabels()] == ["near", "away"]
 
 
+def test_the_share_of_each_class_is_a_line():
+    """They add up to one where each start has a class, and have the standard error of their own."""
+    starts = [f"far-{n:03d}" for n in range(4)]
+    classes = np.array([
+        ["periodic", "chaotic", "contact_lost", "chaotic"],
+        ["equilibrium"] * 4,
+        ["equilibrium", "periodic", "periodic", "periodic"],
+    ], object)  # fmt: skip
+    axes = data.axes(Omega=[1.0, 2.0, 3.0], initial=starts)
+    dataset = data.response(classes, np.ones(classes.shape), axes)
+    dataset.attrs["starts_json"] = '{"far": "random"}'
+    share = {"what": "share", "of": "each", "over": ["initial"]}
+    drawn = draw(dataset, figure("curve", x="Omega", variable="attractor", take=share))
+    told = {"equilibrium", "periodic", "chaotic", "contact lost", "standard error"}
+    (ax,) = drawn.axes
+    assert {*legend_texts(ax)} == told and ax.get_ylabel() == "share"
+    rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
+    heights = [float(row["y"]) for row in rows if row["series"] in told]
+    assert sum(heights) == pytest.approx(3.0) and len(heights) == 12
+    assert any(row["series"] == "periodic, error bar" for row in rows)
+
+
+def test_a_point_that_another_hides_has_a_ring():
+    """Of lines that stand for points alone; where a line leads through it that is seen."""
+    dataset = data.bifurcation()
+    dataset["L_s"][:] = np.nan
+    dataset["L_s"][5, :] = 0.1
+    dataset["L_s"][9, 1] = 0.2
+    (ax,) = draw(dataset, figure("curve", variable="L_s")).axes
+    (ring,) = [line for line in ax.lines if line.get_mfc() == "none" and line.get_markersize() == 7]
+    assert ring.get_ydata().tolist() == [0.1]
+    assert to_hex(ring.get_color()) == to_hex(points.colours([ax])["near"])
+
+
 def test_words_of_ones_own_may_stand_for_a_variable_by_its_name():
     dataset = data.bifurcation()
     dataset = dataset.assign(L_s_reference=dataset["L_s"].assign_attrs(long_name="reference of x"))

@@ -17,7 +17,7 @@ from fiv_cli.case.grammar import Bounds, OfClass, Reference, Trend, parse_condit
 from fiv_cli.case.physics import state_units
 from fiv_cli.case.places import NUMERIC, Places
 from fiv_cli.case.report import Path, Report
-from fiv_cli.case.structure import COUNTED, MOST_LINES, FigureKind
+from fiv_cli.case.structure import COUNTED, EACH, MOST_LINES, FigureKind
 from fiv_cli.case.toml import toml_value
 from fiv_cli.case.words import variable_meant
 from fiv_cli.flags import TABLES
@@ -626,6 +626,9 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
             told = f'what another case found is held against: expect = {{ less_than = "{name}" }}'
             told = f'case = "{case}", variable = "{of_it}"' if "expect" in place else told
         meant = _of_one_contact(name, known, place) or variable_meant(name, variables)
+        if name in ("share", "shares") and "attractor" in variables:
+            each = f', of = "{EACH}"' if place[0] == "figure" else ', of = "CLASS"'
+            meant = f'variable = "attractor", take = {{ what = "share"{each}, over = "initial" }}'
         meant = meant or suggest(name, variables)
         if given := computed_by(name):
             meant = f"{meant or told}; {given}"
@@ -684,6 +687,8 @@ def _check_taken(
     elif what == "classes" and not classes:
         message = f"{name!r} is a number and has no classes"
         report.add((*place, "what"), message, "spread: the greatest less the least")
+    elif classes and of == EACH and what == "share" and place[0] == "figure":
+        return
     elif classes and of:
         for one in of if isinstance(of, list) else [of.removeprefix("not ")]:
             _check_class(name, classes, one, (*place, "of"), report)

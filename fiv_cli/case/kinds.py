@@ -99,8 +99,9 @@ OF_EVERY_FIGURE = (
 
 TAKES = {
     "share": (
-        "at how many points `of` holds, of 1; over random starts alone, p of n, claims tell its "
-        "standard error sqrt(p (1 - p) / n)",
+        'at how many points `of` holds, of 1 (in a figure of = "each": that of each class, a line '
+        "or panel for each); over random starts alone, p of n, claims tell its standard error "
+        "sqrt(p (1 - p) / n)",
         ("of", "over", "relative_to"),
     ),
     "entries": ("how often `of` comes to hold along an axis", ("of", "over")),

@@ -340,6 +340,10 @@ Of = Annotated[
 ]
 
 
+EACH = "each"
+"""In a figure the share of each class that occurs."""
+
+
 class TakeTable(Table):
     """One number in place of all that a variable holds along some axes."""
 
@@ -352,7 +356,7 @@ class TakeTable(Table):
     of: Of | None = Field(
         default=None,
         description='share, entries, first, last: condition (". > 0"), a class, or "not CLASS"; '
-        "a list of classes: any of them",
+        "a list of classes: any of them; share in a figure: each, of every class that occurs",
     )
     relative_to: dict[str, Quantity] = Field(
         default={}, description="axis -> value: the shares are over that at this point"
@@ -363,6 +367,7 @@ class TakeTable(Table):
         if self.what in COUNTED and self.of is None:
             raise ValueError(
                 f'{self.what} needs of: a class, "not CLASS", or a condition (". > 0")'
+                + ', or "each" in a figure' * (self.what == "share")
             )
         if self.what in COUNTED:
             check_counted(self.of)

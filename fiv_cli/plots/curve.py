@@ -43,6 +43,7 @@ SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
+RING: dict[str, Any] = {"marker": "o", "ms": 7, "mfc": "none", "mew": 1.2, "ls": "none"}
 ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CAP = 2.0  # half the width of the ends of error bars, pt
 UPON = 1e-6  # relative: values that differ by less are drawn at one place
@@ -379,6 +380,8 @@ def _panel(
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
         most = 0 if curve.of_crossings else int(crowd)
+        if not apart:
+            _ring(ax, curve, entry, [other for other, _ in lines[place + 1 :]])
         for named in _each_named(ax, curve, entry, apart, most):
             _plot(ax, curve, shift, named, apart, most, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
@@ -430,6 +433,20 @@ def _upon(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry])
     seen = (one.y != 0.0) & ~one.open & ~one.is_wide  # along the axis wide lines would be bars
     met = np.pad(np.isclose(one.y, other.y, rtol=UPON, atol=0.0) & seen, 1)
     return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
+
+
+def _ring(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[_Curve]) -> None:
+    """A ring about each point of a line that stands alone, and that one of a `later` line hides."""
+    known = np.isfinite(curve.y) & ~curve.is_wide
+    beside = np.pad(known, 1)
+    alone = known & ~beside[:-2] & ~beside[2:]
+    x, y = curve.x[alone], curve.y[alone]
+    hidden = np.zeros(x.size, bool)
+    for other in later if x.size else []:
+        met = (other.x == x[:, None]) & np.isclose(other.y, y[:, None], rtol=UPON, atol=0.0)
+        hidden |= met.any(axis=1)
+    if hidden.any():
+        ax.plot(x[hidden], y[hidden], color=entry.colour, label=DECORATION, **RING)
 
 
 def _plot(

@@ -300,7 +300,7 @@ def _with_own_take(figure: FigureSpec, analyses: dict[str, xr.Dataset]) -> Figur
 def _taken(dataset: xr.Dataset, settings: Settings) -> xr.Dataset:
     """The dataset as what the figure takes of its variable."""
     how, name = settings["take"], points.one_variable(settings, "attractor")
-    found = take.taken(dataset, name, how)
+    found = take.taken_of_each(dataset, name, how)
     found = found.assign_attrs(without=take.without_value(dataset, name, how))
     return shares.with_standard_error(found, dataset, how, [*shares.drawn_of(dataset)])
 

@@ -22,6 +22,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fiv_cli.case.structure import EACH
+from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     class_names,
@@ -46,6 +48,28 @@ class _Taking:
 
     take: Callable[[xr.DataArray, Sequence[xr.DataArray]], xr.DataArray]
     ends: tuple[float, float] | None = None
+
+
+def taken_of_each(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dataset:
+    """`taken` of `EACH` class that some point holds, along a dim of these; of anything else once.
+
+    What is undecided may be of any class, and is of none.
+    """
+    if take.get("of") != EACH:
+        return taken(dataset, variable, take)
+    codes = np.unique(dataset[variable].values).tolist()
+    held = {name for code, name in flag_names(dataset[variable].attrs).items() if code in codes}
+    names = sorted(held - {NOT_COMPUTED, "undecided"}, key=[*held].index) or ["undecided"]
+    parts = [taken(dataset, variable, {**take, "of": name}) for name in names]
+    told: Any = {"compat": "override", "coords": "minimal", "combine_attrs": "override"}
+    found = xr.concat(parts, "class", **told).assign_coords(
+        {"class": [name.replace("_", " ") for name in names]}
+    )
+    for name in (one for one in found if one != "status"):
+        own = f"{take['what']} that is {names[0].replace('_', ' ')}"
+        words = str(found[name].attrs["long_name"]).replace(own, take["what"], 1)
+        found[name].attrs["long_name"] = words
+    return found.transpose(..., "class")
 
 
 def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dataset:
