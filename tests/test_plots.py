@@ -2754,7 +2754,7 @@ def test_motions_of_further_files_lie_over_each_file_of_basins(tmp_path):
     assert told.exit_code == 0, told.output
     for name in ("a", "b"):
         (rows,) = (path.read_text().splitlines() for path in tmp_path.glob(f"c-{name}-*.csv"))
-        assert sum("motion: " in row for row in rows) > 800
+        assert sum(",motion," in row for row in rows) > 800
     named = ["--label", "cycle", "--label", "basins", "--label", "others"]
     told = CliRunner().invoke(
         plot_command, [*paths, "--figure", "basin", "-o", str(tmp_path / "c.csv"), *named]

@@ -7,6 +7,7 @@ random, not of others, its standard error is sqrt(p (1 - p) / n) (Menck et al., 
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -38,7 +39,7 @@ SEAM = 0.2  # pt, around a cell, so that none is seen
 DENSE = 4.0  # of the size of a mark: a cell of a lattice that is smaller is filled
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))  # of a cell
 STAR = 8.0  # size of the mark of an equilibrium, pt
-NUMBER = re.compile(r"\d")  # no class has one in its name
+NUMBER = re.compile(r"\d")  # no class has one in its name, but in words of one's own
 SAME = 1e-6  # of the greatest: places of rest that differ by less are one
 # Marks of cycles where there are several, and their colours, which only what diverged, or lost
 # contact, may have beside them.
@@ -227,13 +228,16 @@ def _distinct(values: np.ndarray) -> int:
     return np.unique(steps.round()).size
 
 
-def _motions_in_time(layer: points.Layer) -> list[motion.Motion]:
-    """Those of a file, of whichever of its analyses has any."""
+def _motions_in_time(layer: points.Layer, several: bool = True) -> list[motion.Motion]:
+    """Those of a file, of whichever of its analyses has any; of `several` files by their names."""
     dataset = next(filter(motion.suits, (layer.dataset, *layer.beside)), layer.dataset)
     every = motion.motions(dataset, {"overlay": True})
-    names = [points.joined(layer.label, one.label) for one in every]
     given = dataset.attrs.get("called", layer.label)
-    labels_of = names if given else [f"motion{': ' * bool(name)}{name}" for name in names]
+    file = layer.label if several or given else ""
+    names = [points.joined(file, one.label) for one in every]
+    kinds = {one["kind"] for one in json.loads(dataset.attrs.get("analyses_json", "{}")).values()}
+    word = "cycle" if kinds == {"cycle"} else "motion"
+    labels_of = names if given else [f"{word}{': ' * bool(name)}{name}" for name in names]
     return [replace(one, label=label) for one, label in zip(every, labels_of, strict=True)]
 
 
@@ -245,7 +249,7 @@ def _lay_over(
     settings: points.Settings,
 ) -> None:
     """Motions of further files as thin black lines, each in the panels of its parameters."""
-    every = (one for layer in layers for one in _motions_in_time(layer))
+    every = (one for layer in layers for one in _motions_in_time(layer, len(layers) > 1))
     for one, dash in zip(every, cycle(style.DASHES), strict=False):
         for name in names:
             motion.known_variable(one.data, name)
@@ -315,7 +319,8 @@ def _words(name: str) -> str:
 
 def _told(name: str, share: str) -> str:
     """A class, or a cycle by its period or number, and the share of its basin."""
-    return f"{_words(name)}{':' * bool(NUMBER.search(name))} {share}"
+    is_number = NUMBER.search(style.worded(_words(name)))
+    return f"{_words(name)}{':' * bool(is_number)} {share}"
 
 
 def _shares(reached: np.ndarray, sample: bool) -> dict[str, str]:
