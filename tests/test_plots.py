@@ -2038,6 +2038,18 @@ def test_the_share_of_each_class_is_a_line():
     assert any(row["series"] == "periodic, error bar" for row in rows)
 
 
+def test_a_share_steps_as_it_likes_and_is_one_line():
+    classes = np.full((12, 8), "periodic", object)
+    for row, rests in enumerate([0, 0, 0, 0, 0, 0, 7, 7, 7, 7, 7, 7]):
+        classes[row, :rests] = "equilibrium"
+    axes = data.axes(Omega=np.arange(12.0), initial=[f"far-{n:03d}" for n in range(8)])
+    dataset = data.response(classes, np.ones(classes.shape), axes)
+    share = {"what": "share", "of": "periodic", "over": ["initial"]}
+    (ax,) = draw(dataset, figure("curve", x="Omega", variable="attractor", take=share)).axes
+    (line,) = [line for line in ax.lines if len(line.get_xdata()) > 1]
+    assert np.isfinite(line.get_ydata()).all() and line.get_ydata()[[5, 6]].tolist() == [1.0, 0.125]
+
+
 def test_a_point_that_another_hides_has_a_ring():
     """Of lines that stand for points alone; where a line leads through it that is seen."""
     dataset = data.bifurcation()

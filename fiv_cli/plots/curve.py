@@ -712,8 +712,9 @@ def _curves(
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
-        kind = _told_apart(kind, [one.isel(line.index, missing_dims="ignore") for one in marks])
-        apart |= _leaps(y, kind, points.shown_of(settings, y), logarithmic)
+        if "attractor" in dataset:  # shares of motions, and modes, may step as they like
+            kind = _told_apart(kind, [one.isel(line.index, missing_dims="ignore") for one in marks])
+            apart |= _leaps(y, kind, points.shown_of(settings, y), logarithmic)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
