@@ -419,6 +419,12 @@ class TestGrid:
         )
         assert parse(belt("[friction]", "mu_k = 0.3"), f"grid.{name}=[0.1, 0.2]").axis("mu_k")
 
+    def test_an_override_makes_an_axis_beside_laws_or_changes_one_of_them(self) -> None:
+        text = belt("[grid]", 'friction = ["coulomb", "stribeck"]')
+        case = parse(text, "grid.friction.mu_k=[0.1, 0.2]", "grid.friction.0=exponential")
+        assert case.laws == ("exponential", "stribeck")
+        assert case.axis("mu_k").values == (0.1, 0.2)
+
     def test_law_fixed_and_varied(self) -> None:
         text = belt("[friction]", 'law = "coulomb"', "[grid]", 'friction = ["coulomb", "stribeck"]')
         assert "also fixed" in only_problem(text).message

@@ -625,6 +625,16 @@ def test_a_start_that_differs_in_a_narrow_window_of_a_dense_diagram_has_a_mark()
     assert {keys["near"], keys["far"]} == {"o", "+"} < drawn
 
 
+def test_points_at_rest_of_a_dense_diagram_have_few_marks():
+    rows = [[0.01 * n + 0.1 * far] if n < 20 else [] for n in range(900) for far in (0, 1)]
+    classes = np.where([len(row) > 0 for row in rows], "periodic", "equilibrium")
+    rest = ("Omega", "initial"), np.tile([0.02, 0.03], (900, 1)), {"units": "rad"}
+    drawn = draw(dense(rows, classes).assign(phi_max=rest), figure("bifurcation"))
+    (ax,) = drawn.axes
+    marks = {line.get_marker(): len(line.get_xdata()) for line in ax.lines if line.get_xdata().size}
+    assert 10 < max(marks["o"], marks["+"]) <= 25
+
+
 def test_the_key_of_what_only_crowds_is_a_dot_in_a_dense_diagram_too():
     rows = [
         [0.01 * n] if start == "near" else [*(0.02 * n + 0.001 * np.arange(12))]
@@ -2029,9 +2039,9 @@ def test_the_share_of_each_class_is_a_line():
     dataset.attrs["starts_json"] = '{"far": "random"}'
     share = {"what": "share", "of": "each", "over": ["initial"]}
     drawn = draw(dataset, figure("curve", x="Omega", variable="attractor", take=share))
-    told = {"equilibrium", "periodic", "chaotic", "contact lost", "standard error"}
+    told = ["equilibrium", "periodic", "chaotic", "contact lost", "standard error"]
     (ax,) = drawn.axes
-    assert {*legend_texts(ax)} == told and ax.get_ylabel() == "share"
+    assert legend_texts(ax) == told and ax.get_ylabel() == "share"
     rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
     heights = [float(row["y"]) for row in rows if row["series"] in told]
     assert sum(heights) == pytest.approx(3.0) and len(heights) == 12
@@ -2057,7 +2067,7 @@ def test_a_point_that_another_hides_has_a_ring():
     dataset["L_s"][5, :] = 0.1
     dataset["L_s"][9, 1] = 0.2
     (ax,) = draw(dataset, figure("curve", variable="L_s")).axes
-    (ring,) = [line for line in ax.lines if line.get_mfc() == "none" and line.get_markersize() == 7]
+    (ring,) = [line for line in ax.lines if line.get_marker() == "s"]
     assert ring.get_ydata().tolist() == [0.1]
     assert to_hex(ring.get_color()) == to_hex(points.colours([ax])["near"])
 
@@ -2445,6 +2455,21 @@ def test_a_map_has_lines_of_another_case_on_points_of_its_own(tmp_path, monkeypa
     several.to_netcdf("runs/starts.nc")  # of starts that are others than those of the map
     with pytest.raises(UsageError, match="choose from initial with `select`"):
         draw(response, figure("map", variable="attractor", level={"starts:growth_rate": 0.0}))
+
+
+def test_a_line_lies_in_the_panel_of_all_its_parameters_that_advance_together(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    response, fine = with_growth().values()
+    mapped = xr.concat([response.assign_coords(c=own) for own in (0.1, 0.2)], "c")
+    mapped = mapped.assign_coords(k=("c", [7.0, 8.0]))
+    drawn = figure("map", x="Omega", y="N0", variable="attractor", level={"fine:growth_rate": 0.0})
+    for k, lines in ((7.0, [True, False]), (5.0, [False, False])):
+        fine.assign_coords(c=0.1, k=k).to_netcdf("runs/fine.nc", mode="w")
+        panels = [ax for ax in draw(mapped, drawn).axes if ax.findobj(QuadMesh)]
+        assert [bool(ax.findobj(ContourSet)) for ax in panels] == lines
 
 
 def test_a_line_of_one_law_or_parameter_lies_in_its_panel_alone(tmp_path, monkeypatch):

@@ -629,6 +629,7 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
         if name in ("share", "shares") and "attractor" in variables:
             each = f', of = "{EACH}"' if place[0] == "figure" else ', of = "CLASS"'
             meant = f'variable = "attractor", take = {{ what = "share"{each}, over = "initial" }}'
+            meant += ", or over an axis" + ": in a curve or map" * (place[0] == "figure")
         meant = meant or suggest(name, variables)
         if given := computed_by(name):
             meant = f"{meant or told}; {given}"

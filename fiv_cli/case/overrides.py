@@ -78,12 +78,13 @@ def _as_written(document: Mapping[str, Any], override: Override) -> Override:
         inner = value if name in WITH_A_DOT and isinstance(value, dict) else {}
         written |= {axis_name(f"{name}.{key}"): ("grid", name, key) for key in inner}
         written |= {} if inner else {axis_name(name): ("grid", name)}
-    for end in (3, 2):
+    is_dotted = len(keys) > 2 and keys[1] in WITH_A_DOT and not keys[2].isdigit()
+    for end in (3,) if is_dotted else (2,):
         name = axis_name(".".join(keys[1:end]))
-        if name in written and len(keys) >= end:
+        if name in written:
             return replace(override, keys=(*written[name], *keys[end:]))
-    if len(keys) > 2 and isinstance(grid.get(keys[1]), list) and keys[1] in WITH_A_DOT:
-        return replace(override, keys=("grid", f"{keys[1]}.{keys[2]}", *keys[3:]))  # beside laws
+    if is_dotted and not isinstance(grid.get(keys[1], {}), dict):  # a list of laws
+        return replace(override, keys=("grid", f"{keys[1]}.{keys[2]}", *keys[3:]))
     return override
 
 

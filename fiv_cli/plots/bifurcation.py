@@ -291,9 +291,9 @@ def _mark_some(
 ) -> None:
     """Marks of clouds at places in turn, as far apart as they are seen as such, and their keys."""
     before = len(ax.lines)
-    every = 1 + np.unique(np.concatenate([one.x for one, _ in pairs])).size // SHAPES
     for turn, (cloud, entry) in enumerate(pairs):
         places = np.unique(np.append(cloud.x[~cloud.crowded], cloud.rest_x))
+        every = 1 + places.size // SHAPES
         first = min(turn * every // len(pairs), max(places.size - 1, 0))
         own = _at(cloud, places[first::every]) if places.size else cloud
         _mark_values(ax, own, entry, APART, sorts, many=False)

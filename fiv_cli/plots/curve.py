@@ -43,7 +43,7 @@ SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
-RING: dict[str, Any] = {"marker": "o", "ms": 7, "mfc": "none", "mew": 1.2, "ls": "none"}
+RING: dict[str, Any] = {"marker": "s", "ms": 7, "mfc": "none", "mew": 1.2, "ls": "none"}
 ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CAP = 2.0  # half the width of the ends of error bars, pt
 UPON = 1e-6  # relative: values that differ by less are drawn at one place
@@ -436,17 +436,22 @@ def _upon(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry])
 
 
 def _ring(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[_Curve]) -> None:
-    """A ring about each point of a line that stands alone, and that one of a `later` line hides."""
+    """A square about each point of a line that stands alone, and that of a `later` one hides.
+
+    It is the wider the more of these there are.
+    """
     known = np.isfinite(curve.y) & ~curve.is_wide
     beside = np.pad(known, 1)
     alone = known & ~beside[:-2] & ~beside[2:]
     x, y = curve.x[alone], curve.y[alone]
-    hidden = np.zeros(x.size, bool)
+    count = np.zeros(x.size, int)
     for other in later if x.size else []:
         met = (other.x == x[:, None]) & np.isclose(other.y, y[:, None], rtol=UPON, atol=0.0)
-        hidden |= met.any(axis=1)
-    if hidden.any():
-        ax.plot(x[hidden], y[hidden], color=entry.colour, label=DECORATION, **RING)
+        count += met.any(axis=1)
+    for number in np.unique(count[count > 0]).tolist():
+        here, wide = count == number, RING["ms"] * (1.0 + 0.5 * (number - 1))
+        look = {**RING, "ms": wide, "color": entry.colour, "label": DECORATION}
+        ax.plot(x[here], y[here], **look)
 
 
 def _plot(
@@ -712,7 +717,7 @@ def _curves(
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
-        if "attractor" in dataset:  # shares of motions, and modes, may step as they like
+        if name != "share":  # which may step as it likes
             kind = _told_apart(kind, [one.isel(line.index, missing_dims="ignore") for one in marks])
             apart |= _leaps(y, kind, points.shown_of(settings, y), logarithmic)
         jumps = (np.flatnonzero(apart) + 1).tolist()

@@ -102,7 +102,10 @@ def under_panels(dataset: xr.Dataset, mapped: xr.Dataset, dims: Collection[str])
                 continue
             dataset = dataset.drop_vars(held, errors="ignore").expand_dims(dim)
             dataset = dataset.assign_coords({name: (dim, [value]) for name, value in held.items()})
-        pairs = [(dataset[axis.name], axis) for axis in axes if axis.name in dataset.coords]
+        own = [dataset.coords.get(axis.name) for axis in axes]
+        pairs = [
+            (a, b) for a, b in zip(own, axes, strict=True) if a is not None and a.dims == (dim,)
+        ]
         met = np.all([one.values[None] == two.values[:, None] for one, two in pairs], axis=0)
         if pairs and (met.any() or (dataset.sizes[dim] == 1 and dim != "initial")):
             dataset = _as_along(dataset, axes, met, dim)

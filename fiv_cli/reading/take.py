@@ -57,9 +57,11 @@ def taken_of_each(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -
     """
     if take.get("of") != EACH:
         return taken(dataset, variable, take)
-    codes = np.unique(dataset[variable].values).tolist()
-    held = {name for code, name in flag_names(dataset[variable].attrs).items() if code in codes}
-    names = sorted(held - {NOT_COMPUTED, "undecided"}, key=[*held].index) or ["undecided"]
+    classes, codes = flag_names(dataset[variable].attrs), np.unique(dataset[variable].values)
+    if not classes:
+        raise select.SelectionError(f"{variable}: a number, and no class; of = '. > 0'")
+    held = [name for code, name in classes.items() if code in codes]
+    names = [name for name in held if name not in (NOT_COMPUTED, "undecided")] or held
     parts = [taken(dataset, variable, {**take, "of": name}) for name in names]
     told: Any = {"compat": "override", "coords": "minimal", "combine_attrs": "override"}
     found = xr.concat(parts, "class", **told).assign_coords(

@@ -41,7 +41,7 @@ from fiv_cli.dynamics.system import System
 
 NEUTRAL = 1e-8  # distance from 1 at which a multiplier is 1 to the accuracy of a cycle
 STRIDE = 0.1  # share by which the period may change from neighbour to neighbour
-COURSE, LEAST_RETURNS = 3.0, 2  # times so long, and so many returns, by which it is told ...
+COURSE, LEAST_RETURNS = 8.5, 2  # of its last returns in time, and so many, by which is told ...
 SETTLED = 1e-3  # ... whether a swing grows or dies away: by which share it changes at least
 BRIDGES = 5  # halvings of the way between neighbours
 
@@ -90,8 +90,9 @@ def _reached(problem: Problem, request: Request, begin: Begin) -> Outcome:
         cycle = _closed(at, guesses(at, begin, passed, settings["multiplicity"]))
         if cycle is not None:
             return _told(at, cycle, request)
-        message = _where_it_was(at, begin, passed, settings)
-        outcome = Outcome(reason="no_cycle", message=message)
+        outcome, last = Outcome(reason="no_cycle"), (at, passed)
+    if outcome.reason == "no_cycle":
+        outcome.message = _where_it_was(*last, begin, settings)
     return outcome
 
 
@@ -101,7 +102,7 @@ def _without_return(problem: Problem, passed: Returns, settings: Settings) -> Ou
     return Outcome(reason="no_return", message=message)
 
 
-def _where_it_was(problem: Problem, begin: Begin, passed: Returns, settings: Settings) -> str:
+def _where_it_was(problem: Problem, passed: Returns, begin: Begin, settings: Settings) -> str:
     """What the start led to that is no cycle: when, and how, the motion returned last."""
     begun, ended = passed.times[-2:]
     names = problem.system.state_names
@@ -116,29 +117,34 @@ def _where_it_was(problem: Problem, begin: Begin, passed: Returns, settings: Set
         f"{_place(problem, settings)}the motion returns last at t = {ended:.6g} s, "
         f"{ended - begun:.6g} s after the return before; between them {name} "
         f"{f'swings by {last:.3g}' if last > 0.0 else 'rests'}"
-        f"{_course(problem, begin, settings, swing)}"
+        f"{_course(problem, passed, begin, settings['transient'], swing)}"
     )
 
 
 def _course(
-    problem: Problem, begin: Begin, settings: Settings, swing: Callable[[float, float], float]
+    problem: Problem,
+    passed: Returns,
+    begin: Begin,
+    transient: float,
+    swing: Callable[[float, float], float],
 ) -> str:
-    """On which side of a cycle that repels a start lies, where swings tell: over several returns.
+    """On which side of a cycle that repels a start lies, where swings over several returns tell.
 
-    A motion that is followed for a few periods only is followed on for it.
+    Where the motion was followed for fewer it is followed on.
     """
-    longer = settings["transient"] + COURSE * (settings["t_max"] - settings["transient"])
-    times = returns(problem, begin, settings["transient"], longer).times
-    many = (len(times) - 1) // 2
+    until = transient + COURSE * float(passed.times[-1] - passed.times[-2])
+    early = returns(problem, begin, transient, until).times
+    late = passed.times if len(passed.times) > len(early) else early
+    many = (len(early) - 1) // 2
     if many < LEAST_RETURNS:
         return ""
-    first, last = swing(times[0], times[many]), swing(times[-1 - many], times[-1])
+    first, last = swing(early[0], early[many]), swing(late[-1 - many], late[-1])
     if not abs(last - first) > SETTLED * first > 0.0:
         return ""
     course, size = ("dies away", "greater") if last < first else ("grows", "smaller")
     return (
-        f"; it swings by {first:.3g} at first, then by {last:.3g}: it {course}, and a cycle that "
-        f"repels would be {size}"
+        f"; over its first returns it swings by {first:.3g}, later by {last:.3g}: it {course}, and "
+        f"a cycle that repels would be {size}"
     )
 
 
