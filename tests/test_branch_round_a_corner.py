@@ -8,13 +8,15 @@ sticks; from there an unstable slip goes back. Met by a user whose branch was lo
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from fiv_cli import api
 from fiv_cli.analyses.base import Start
+from fiv_cli.case.toml import toml_text
+from fiv_cli.cli.main import run as fiv
 from fiv_cli.dynamics.settings import Section
 
 DRILL = '''"""A bit on rock below a string that a table turns."""
@@ -90,18 +92,19 @@ def test_a_branch_is_the_same_however_closely_its_changes_are_looked_for(
         assert np.abs(found["branch_value"].values - end).min() < 0.05
 
 
-def belt(offset: float, **settings: object) -> xr.Dataset:
+BELT = {"name": "belt-1dof", "parameters": {"c": 0.2, "v": 2.0}}
+
+
+def belt_case(offset: float, **settings: object) -> dict[str, Any]:
     """A branch along the belt's speed, from a start so far off the sliding equilibrium."""
-    law = {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "delta": 1.0}
     cycle = {"kind": "cycle", "parameter": "v", "bracket": [1.0, 3.5], "observe": "x"}
-    case = {
+    return {
         "schema": 1,
-        "model": {"name": "belt-1dof", "parameters": {"c": 0.2, "v": 2.0}},
-        "friction": law,
+        "model": BELT,
+        "friction": {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "delta": 1.0},
         "initial": [{"kind": "equilibrium", "offset": {"x": offset}}],
         "analysis": [cycle | {"section": {"zero": "x_dot", "direction": "down"}} | settings],
     }
-    return api.run(api.load(case), workers=1)
 
 
 @pytest.mark.parametrize(("offset", "settings"), [(2.2, {}), (1.9, {"t_max": 15.0})])
@@ -109,7 +112,7 @@ def test_stick_slip_and_the_unstable_cycle_within_it_are_one_branch(
     offset: float, settings: dict[str, object]
 ) -> None:
     """From either of them: one begins at the Hopf point, and they meet where a slip grazes."""
-    found = belt(offset, **settings)
+    found = api.run(api.load(belt_case(offset, **settings)), workers=1)
     kinds = api.names_of(found["cycle_end_kind"]).values
     places = np.argsort(kinds)
     assert kinds[places].tolist() == ["bracket", "equilibrium", "grazing"]
@@ -134,3 +137,15 @@ def test_of_no_cycle_it_is_told_on_which_side_of_one_that_repels_it_lies(
     found = api.analyse("belt-1dof", "stribeck", "cycle", start, settings, c=0.2, v=2.0, **law)
     assert found.reason == "no_cycle"
     assert found.message.endswith(": it dies away, and a cycle that repels would be greater")
+
+
+def test_where_a_branch_has_no_first_cycle_another_beginning_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """At 3 m/s the mass comes to rest; it sticks and slips below 2.65 m/s."""
+    case = tmp_path / "a.toml"
+    case.write_text(
+        toml_text(belt_case(2.2) | {"model": BELT | {"parameters": {"c": 0.2, "v": 3.0}}})
+    )
+    assert fiv(["run", str(case), "--workers", "1", "-o", str(tmp_path / "a.nc")]) == 0
+    assert "; at v = 2 there is one: let the branch begin there" in capsys.readouterr().err

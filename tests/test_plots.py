@@ -2209,6 +2209,18 @@ def test_files_of_one_figure_take_each_over_axes_of_its_own():
         assert np.allclose(*lines)
 
 
+def test_a_level_that_a_ridge_touches_has_no_line_along_it():
+    """To rounding, which made fragments of one; where the level is crossed the line stays."""
+    dataset = data.stability_map(initial=("reached",))
+    height = np.abs(dataset["N0"] - dataset["N0"][8]) + 0.0 * dataset["L_s"]
+    noise = 1e-17 * np.sin(1e3 * np.arange(height.size)).reshape(height.shape)
+    for level, is_drawn in ((0.0, False), (12.0, True)):
+        ridge = (height + noise + 0.0 * dataset["L_s"]).transpose(*dataset["L_s"].dims)
+        mapped = dataset.assign(L_s=ridge.assign_attrs(dataset["L_s"].attrs))
+        drawn = draw(mapped, figure("map", variable="L_s", level=level))
+        assert bool(drawn.findobj(ContourSet)) == is_drawn
+
+
 def test_a_level_without_a_line_has_no_entry_in_the_legend():
     levels = {"variable": "L_s", "level": [1e-3, 1.0]}
     drawn = draw(data.stability_map(), figure("map", **levels))

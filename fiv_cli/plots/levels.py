@@ -38,6 +38,7 @@ ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 # line of another level that is still nearer is one with it.
 CLEAR, ALIKE = 1.0, 0.4
 WIDEST = 0.16  # of a panel: levels that take more hide what they name, and the legend tells them
+TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
 MOST_PLACES, MOST_ELSEWHERE = 300, 5000
 STEP = 0.25  # between points of other lines, in heights of letters
 PAD = 0.25  # around a level that is written, in heights of its letters
@@ -185,7 +186,8 @@ def draw(
     drawn = []
     for level, dashes in zip(levels, styles, strict=False):
         for plane in planes:
-            for part in [part for part in plane if not _side(part, level)]:
+            parts = (_off_the_level(part, level) for part in plane)
+            for part in [part for part in parts if not _side(part, level)]:
                 lines = ax.contour(
                     *places, part, levels=[level], colors=[colour], linestyles=[dashes],
                     linewidths=1.5,
@@ -195,6 +197,19 @@ def draw(
                 drawn.append((lines, level))
     if named and _has_room(ax, levels):
         _name(ax, drawn, levels)
+
+
+def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
+    """Values at the level, to rounding, on the side of those around them: a ridge has no line."""
+    off = part - level
+    rounding = TOUCH * max(float(np.abs(part[np.isfinite(part)]).max(initial=0.0)), abs(level))
+    at = np.abs(off) <= rounding
+    if not at.any():
+        return part
+    rest = np.pad(np.where(at | np.isnan(off), 0.0, np.sign(off)), 1)
+    rows, columns = part.shape
+    around = sum(rest[i : i + rows, j : j + columns] for i in range(3) for j in range(3))
+    return np.where(at, level + rounding * np.where(around < 0.0, -1.0, 1.0), part)
 
 
 def _has_room(ax: Axes, levels: Sequence[float]) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, replace
 from functools import partial
+from itertools import product
 from typing import Any, cast
 
 import numpy as np
@@ -43,6 +44,7 @@ NEUTRAL = 1e-8  # distance from 1 at which a multiplier is 1 to the accuracy of 
 STRIDE = 0.1  # share by which the period may change from neighbour to neighbour
 COURSE, LEAST_RETURNS = 8.5, 2  # of its last returns in time, and so many, by which is told ...
 SETTLED = 1e-3  # ... whether a swing grows or dies away: by which share it changes at least
+ELSEWHERE = (0.5, 0.1, 0.9)  # of the way to an end of the bracket, where a cycle is looked for
 BRIDGES = 5  # halvings of the way between neighbours
 
 
@@ -61,6 +63,8 @@ def find_cycle(system: System, request: Request) -> Outcome:
         if isinstance(first, Outcome):
             return first
         outcome, begun = _reached(problem, request, cast(Begin, begin)), first.y
+        if outcome.reason == "no_cycle" and request.settings["parameter"] is not None:
+            outcome.message += _elsewhere(system, request)
     outcome.values["initial_state"] = begun[: 2 * len(system.coordinates)].copy()
     return outcome
 
@@ -146,6 +150,19 @@ def _course(
         f"; over its first returns it swings by {first:.3g}, later by {last:.3g}: it {course}, and "
         f"a cycle that repels would be {size}"
     )
+
+
+def _elsewhere(system: System, request: Request) -> str:
+    """Another value of the parameter, within its bracket, at which the start leads to a cycle."""
+    varied, bracket = request.settings["parameter"], request.settings["bracket"]
+    alone = {**request.settings, "parameter": None, "bracket": None}
+    for share, end in product(ELSEWHERE, bracket or ()):
+        value = request.parameters[varied.name]
+        value += share * (end - value)
+        there = replace(request, parameters=varied.at(request.parameters, value), settings=alone)
+        if "cycle_period" in find_cycle(system, there).values:
+            return f"; at {varied.name} = {value:.4g} there is one: let the branch begin there"
+    return ""
 
 
 def _place(problem: Problem, settings: Settings) -> str:
