@@ -2048,6 +2048,20 @@ def test_the_share_of_each_class_is_a_line():
     assert any(row["series"] == "periodic, error bar" for row in rows)
 
 
+def test_lines_that_hide_one_another_keep_their_places():
+    """Else they, and those after them, had other colours than in other figures of the dataset."""
+    dims = ("Omega", "N0", "contact")
+    shares = np.zeros((4, 4, 2))
+    shares[:, 0], shares[:, 1, 0], shares[:, 2] = 0.3, 0.6, [0.2, 0.1]
+    shares[:, 3, 1] = 0.5
+    axes = data.axes(Omega=np.arange(4.0), N0=[1.0, 2.0, 3.0, 4.0])
+    dataset = data.response(np.full((4, 4), "periodic", object), np.ones((4, 4)), axes)
+    dataset = dataset.assign_coords(contact=[1, 2]).assign(stick_fraction=(dims, shares))
+    (ax,) = draw(dataset, figure("curve", x="Omega", variable="stick_fraction")).axes
+    told = [text for text in legend_texts(ax) if "N_0" in text]
+    assert told == sorted(told) and len({text[:10] for text in told}) == 4
+
+
 def test_a_share_steps_as_it_likes_and_is_one_line():
     classes = np.full((12, 8), "periodic", object)
     for row, rests in enumerate([0, 0, 0, 0, 0, 0, 7, 7, 7, 7, 7, 7]):
@@ -2773,6 +2787,13 @@ def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
     files = [("", data.basin(speeds=(1.0,))), ("", _motion_in_x(2.0))]
     (ax,) = draw(files, figure("basin")).axes
     assert [*_lines_over(ax)] == ["motion"]
+
+
+def test_all_classes_have_a_colon_where_words_of_ones_own_hold_a_number():
+    words = {"periodic": "stick-slip on belt 1"}
+    (ax,) = draw(data.basin(speeds=(1.0,)), figure("basin", words=words)).axes
+    told = [text for text in legend_texts(ax) if text.startswith(("stick-slip", "equilibrium"))]
+    assert len(told) == 2 and all(": " in text for text in told), told
 
 
 def test_a_motion_at_the_parameters_of_no_basin_is_refused():

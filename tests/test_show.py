@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray as xr
 from small_cases import BELT
 
 from fiv_cli import api
 from fiv_cli.case.toml import parse_toml, toml_text
 from fiv_cli.cli.main import run as fiv
+from fiv_cli.errors import UsageError
+from fiv_cli.reading.table import _holding
 
 GRID = {"v": [0.1 * k for k in range(1, 11)], "N": [5.0, 10.0]}
 
@@ -182,3 +185,15 @@ def test_where_branches_begin_and_end_is_told(
         assert [row["cycle_end_kind"] for row in rows] == ["bracket", "grazing"]
     assert fiv(["check", str(case), "--set", "model.parameters.v=9.0"]) == 3
     assert "from v = 9.0, the case's own, which lies outside" in capsys.readouterr().err
+
+
+def test_a_name_that_is_missing_is_sought_beside_those_that_are_there() -> None:
+    told = {
+        "response": ["response_frequency", "L_s"],
+        "eigenvalues": ["growth_rate", "mode_frequency"],
+    }
+    held = {kind: xr.Dataset(dict.fromkeys(names, 0.0)) for kind, names in told.items()}
+    with pytest.raises(UsageError, match="'frequency'; here it is 'mode_frequency'"):
+        _holding(held, ["growth_rate", "frequency"])
+    with pytest.raises(UsageError, match="here it is 'response_frequency' or 'mode_frequency'"):
+        _holding(held, ["frequency"])

@@ -42,7 +42,8 @@ OTHER_WORDS = {word: kinds.split() for words, kinds in _MEANT.items() for word i
 
 
 _VARIABLES = {
-    "dominantfrequency mainfrequency peakfrequency frequency freq f": "response_frequency",
+    "dominantfrequency mainfrequency peakfrequency": "response_frequency",
+    "frequency freq f": "response_frequency mode_frequency",
     "rms intensity vibrationindex index": "L_s",
     "lyapunovexponent exponent largestexponent": "lyapunov",
     "class classes motion regime state": "attractor",

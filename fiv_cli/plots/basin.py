@@ -78,7 +78,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for number, (ax, panel, own) in enumerate(zip(axes, panels, reached, strict=False)):
         shares_of = _shares(own, _is_sample(dataset))
         _scatter(ax, parts[number], own, names, looks, shares_of if single else {})
-        heading = [] if single else [_told(*one) for one in shares_of.items()]
+        heading = [] if single else [*_told(shares_of).values()]
         ax.set_title("\n".join(filter(None, (panel.label, *heading))))
         ax.set_label(panel.label)  # of the table
         ax.set_xlabel(_label(dataset, names[0]))
@@ -199,7 +199,7 @@ def _scatter(
             look_of = {"color": look["color"], "rasterized": len(x) > style.MANY_MARKS}
             ax.add_collection(PolyCollection([*cells], lw=SEAM, zorder=2.0, **look_of))
         if name in told or filled:
-            words = _told(name, told[name]) if name in told else label
+            words = _told(told)[name] if name in told else label
             ax.scatter([], [], lw=0.5, label=words, **key)
     rests = _rests(part.isel(initial=np.flatnonzero(reached == "equilibrium")), names)
     if rests.size:  # the starts beneath are seen through it
@@ -317,10 +317,10 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _told(name: str, share: str) -> str:
-    """A class, or a cycle by its period or number, and the share of its basin."""
-    is_number = NUMBER.search(style.worded(_words(name)))
-    return f"{_words(name)}{':' * bool(is_number)} {share}"
+def _told(shares_of: Mapping[str, str]) -> dict[str, str]:
+    """Each class, or cycle by its period or number, and the share of its basin."""
+    are_numbers = any(NUMBER.search(style.worded(_words(name))) for name in shares_of)
+    return {name: f"{_words(name)}{':' * are_numbers} {share}" for name, share in shares_of.items()}
 
 
 def _shares(reached: np.ndarray, sample: bool) -> dict[str, str]:

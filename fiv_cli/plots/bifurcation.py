@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
 DEFAULT = "section_value"
 CROWD = 8  # values at one point of the grid; more are drawn smaller: their marks would be a bar
-FINER = 0.3  # share of its size that a mark has in a crowd, and where it is undecided
+FINER = 0.3  # share of its size that a mark has in a crowd ...
+STILL_SEEN = 0.6  # ... and where it is undecided: upon a line of equilibria, too
 BAR = 1.0  # marks on one another, over the whole width, that are one
 APART = 1.6  # size of marks that stand apart, and ...
 SHAPES = 24  # ... how many of one cloud there are
@@ -315,13 +316,14 @@ def _mark_values(
     The key of a cloud that has no others, and no rests, is a dot as these are.
     """
     apart, undecided = ~cloud.crowded, cloud.undecided
-    mark, small = (_mark_of(cloud.start, entry.number, sorts, one) for one in (size, FINER * size))
+    sizes = size, STILL_SEEN * size
+    mark, small = (_mark_of(cloud.start, entry.number, sorts, one) for one in sizes)
     is_crowd = not apart.any() and cloud.crowded.any() and not cloud.rest_x.size
     look: dict[str, Any] = {"ls": "none", "rasterized": many}
     own, pale = entry.colour, style.pale(entry.colour)
     for part, shape, colour, label in (
         (apart & ~undecided, style.mark_of(0, 1, size) if is_crowd else mark, own, entry.label),
-        (apart & undecided, small, pale, points.unlisted(entry.label, UNSETTLED)),
+        (apart & undecided, {**small, "zorder": 4}, pale, points.unlisted(entry.label, UNSETTLED)),
     ):
         if part.any() or label == entry.label:
             ax.plot(cloud.x[part], cloud.y[part], color=colour, label=label, **shape, **look)

@@ -216,14 +216,20 @@ def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
     if len(drawn) > MOST_COMPARED:
         return [*drawn]
     starts = {*filter(None, (one.words.get("initial") for _, one in drawn))}
-    groups: list[list[tuple[int, _Curve]]] = []
-    for place, one in _parted(drawn, starts):
-        alike = (own for own in groups if own[0][0] == place and one.hides(own[0][1]))
-        if (group := next(alike, None)) is None:
-            groups.append([(place, one)])
+    parted = [*_parted(drawn, starts)]
+    groups: list[list[int]] = []
+    for number, (place, one) in enumerate(parted):
+        firsts = (group for group in groups if parted[group[0]][0] == place)
+        group = next((own for own in firsts if one.hides(parted[own[0]][1])), None)
+        if group is None:
+            groups.append([number])
         else:
-            group.append((place, one))
-    return [line for group in groups for line in _as_one(group, starts)]
+            group.append(number)
+    found: dict[int, tuple[int, _Curve]] = {}
+    for group in groups:  # what stays apart keeps its place, and with it its colour
+        lines = _as_one([parted[number] for number in group], starts)
+        found |= zip(group, lines, strict=False)
+    return [found[number] for number in sorted(found)]
 
 
 def _parted(

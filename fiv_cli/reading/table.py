@@ -229,8 +229,12 @@ def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dat
     for name in names:
         if told := next(filter(None, (_without_error(name, one) for one in analyses.values())), ""):
             raise UsageError(told)
-        meant = variable_meant(name, known) or suggest(name, [*known])
-        hints = [] if name in known else [meant, computed_by(name)]
+        others = {*names} & {*known}  # what stands beside these is rather meant
+        beside = [one for held in analyses.values() if others & {*held} for one in map(str, held)]
+        tried = (
+            word(name, some) for some in (beside, [*known]) for word in (variable_meant, suggest)
+        )
+        hints = [] if name in known else [next(filter(None, tried), ""), computed_by(name)]
         if hint := "; ".join(filter(None, hints)):
             raise UsageError(f"there is no variable {name!r}; {hint}")
         pick(name, known, "variable", "fiv show FILE.nc")

@@ -72,6 +72,7 @@ OF_TIMING = 0.1
 ON_DISK, OF_FILES = 2.3, 100e3  # shards and dataset
 IN_MEMORY, OF_A_PROCESS, OF_THE_FIRST = 1.3, 200e6, 250e6  # the first knows eigenvalues, too
 MERGING, MOST_MERGING = 1.7, 130e6  # shards that become one
+BUSY = 1.5  # processes for each core, from which on it is said
 STARTING = 1.0  # s that a run takes besides its points
 
 
@@ -116,7 +117,8 @@ class Estimate:
         besides = f"; {counted(self.stored)} are stored" if self.stored else ""
         return (
             f"  estimate of {self.name}: {self.time()} on "
-            f"{counted(self.workers, 'worker')}, cores being free; {size(self.memory)} of memory, "
+            f"{counted(self.workers, 'worker')}, cores being free{_load()}; "
+            f"{size(self.memory)} of memory, "
             f"{size(self.disk)} on disk ({self.basis()}{besides})"
         )
 
@@ -133,6 +135,12 @@ class Estimate:
         some = f"from {self.sampled} of {_span(self.points)}"
         given_up = f", {self.given_up} given up after {duration(self.limit)} and taken as"
         return some + f"{given_up} up to all their time or steps" * bool(self.given_up)
+
+
+def _load() -> str:
+    """That others are at work: what is then longer is the time that a run takes."""
+    load, cores = os.getloadavg()[0], os.cpu_count() or 1
+    return f" (now {load:.0f} processes share {counted(cores, 'core')})" * (load > BUSY * cores)
 
 
 class Crew(NamedTuple):
