@@ -79,10 +79,10 @@ def _as_written(document: Mapping[str, Any], override: Override) -> Override:
         written |= {axis_name(f"{name}.{key}"): ("grid", name, key) for key in inner}
         written |= {} if inner else {axis_name(name): ("grid", name)}
     is_dotted = len(keys) > 2 and keys[1] in WITH_A_DOT and not keys[2].isdigit()
-    for end in (3,) if is_dotted else (2,):
-        name = axis_name(".".join(keys[1:end]))
-        if name in written:
-            return replace(override, keys=(*written[name], *keys[end:]))
+    end = 3 if is_dotted else 2
+    name = axis_name(".".join(keys[1:end]))
+    if name in written:
+        return replace(override, keys=(*written[name], *keys[end:]))
     if is_dotted and not isinstance(grid.get(keys[1], {}), dict):  # a list of laws
         return replace(override, keys=("grid", f"{keys[1]}.{keys[2]}", *keys[3:]))
     return override
