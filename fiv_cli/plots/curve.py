@@ -62,7 +62,7 @@ MOSTLY = 0.9  # of their points, at which lines of all starts are one, but for w
 MOST_COMPARED = 100  # lines that may lie on one another
 SAME = 1e-6  # relative distance of values of one motion
 MANY = 1e6  # passages: more than any cycle has
-TELLING = ("period", "L_s", "stick_fraction")
+MARKS = ("period", "L_s")  # of a motion, beside its shares of stick and slip
 STEP = 3.0  # times those beside it: a step that no curve takes ...
 LEAP = 6.0  # ... or within a kind of cycle, where a square root begins steeply
 # Shares of its range by which a line leaps at least where it breaks; beside a kind of one
@@ -754,7 +754,8 @@ def _kinds(dataset: xr.Dataset) -> xr.DataArray:
 
 def _marks_of_motions(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
     """What leaps, one or the other, where a line goes over to another cycle of the same kind."""
-    for name in [name for name in TELLING if name in dataset]:
+    shares = [name for name in map(str, dataset) if name.endswith("_fraction")]
+    for name in [name for name in (*MARKS, *shares) if name in dataset]:
         one = numbers(dataset[name])
         yield from (
             [one.isel(contact=n) for n in range(one.sizes["contact"])]
