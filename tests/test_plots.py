@@ -2483,6 +2483,19 @@ def test_a_map_has_lines_of_another_case_on_points_of_its_own(tmp_path, monkeypa
         draw(response, figure("map", variable="attractor", level={"starts:growth_rate": 0.0}))
 
 
+def test_a_line_of_a_variable_beside_section_values_is_drawn():
+    """Counts of these stay whole numbers."""
+    dataset = data.stability_map(initial=("reached",))
+    counts = dataset["status"].copy(data=np.ones(dataset["status"].shape, np.int32))
+    counts.attrs = {"sample_dimension": "section_obs"}
+    values = ("section_obs", np.zeros(counts.size), {"units": "rad"})
+    full = dataset.assign(section_row_size=counts, section_value=values)
+    full = full.assign(phi_max=full["L_s"].fillna(0.0))
+    level = {"phi_max": float(full["L_s"].mean())}
+    drawn = draw(full, figure("map", variable="attractor", level=level))
+    assert drawn.findobj(ContourSet)
+
+
 def test_a_line_lies_in_the_panel_of_all_its_parameters_that_advance_together(
     tmp_path, monkeypatch
 ):

@@ -129,7 +129,9 @@ def _as_along(
     own = [name for name, one in dataset.coords.items() if dim in one.dims]
     taken = dataset.isel({dim: met.argmax(axis=1)}).drop_vars(own)
     known = {
-        name: one.where(is_there, other=np.nan) for name, one in taken.items() if dim in one.dims
+        name: one.where(is_there, other=np.nan)
+        for name, one in taken.items()
+        if dim in one.dims and one.dtype.kind == "f"  # no counts, which lead to rows
     }
     return taken.assign(known).assign_coords({str(axis.name): axis.variable for axis in axes})
 
