@@ -200,6 +200,18 @@ def ended_first(met: Path, task: Task) -> Result:
     return run_task(task)
 
 
+@pytest.mark.parametrize(("load", "told"), [(0.9, False), (4.2, True)])
+def test_an_estimate_tells_that_others_use_the_machine(
+    monkeypatch: pytest.MonkeyPatch, load: float, told: bool
+) -> None:
+    """By what there was to do before the sample was run."""
+    monkeypatch.setattr(os, "getloadavg", lambda: (load * (os.cpu_count() or 1), 0.0, 0.0))
+    table = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "eigenvalues"}]}
+    (found,) = estimate(api.load(table), 1, lambda _: None)
+    monkeypatch.setattr(os, "getloadavg", lambda: (99.0, 0.0, 0.0))
+    assert (", cores being free (now 4.2 processes share one); " in found.line()) == told
+
+
 def test_an_estimate_tells_of_points_that_failed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

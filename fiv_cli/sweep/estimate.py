@@ -86,6 +86,7 @@ class Estimate:
     points : to be run, least and most
     sampled, stored : points that were run for this, and that are stored and need not be run
     given_up, limit : those that were sampled and took more than so many s
+    load : processes that shared a core before
     failed : reason -> how many of those sampled failed for it
     expected : s of the whole run, processor time over the workers
     seconds : ... least and most that is likely; the most may be infinite
@@ -103,6 +104,7 @@ class Estimate:
     memory: float
     disk: float
     workers: int
+    load: float
     failed: Mapping[str, int]
 
     def failures(self) -> list[str]:
@@ -112,12 +114,17 @@ class Estimate:
             for reason, count in self.failed.items()
         ]
 
+    @property
+    def _busy(self) -> str:
+        """That others are at work: it takes longer then."""
+        return f" (now {self.load:.1f} processes share one)" * (self.load > BUSY)
+
     def line(self) -> str:
         """For people."""
         besides = f"; {counted(self.stored)} are stored" if self.stored else ""
         return (
             f"  estimate of {self.name}: {self.time()} on "
-            f"{counted(self.workers, 'worker')}, cores being free{_load()}; "
+            f"{counted(self.workers, 'worker')}, cores being free{self._busy}; "
             f"{size(self.memory)} of memory, "
             f"{size(self.disk)} on disk ({self.basis()}{besides})"
         )
@@ -137,17 +144,12 @@ class Estimate:
         return some + f"{given_up} up to all their time or steps" * bool(self.given_up)
 
 
-def _load() -> str:
-    """That others are at work: what is then longer is the time that a run takes."""
-    load, cores = os.getloadavg()[0], os.cpu_count() or 1
-    return f" (now {load:.0f} processes share {counted(cores, 'core')})" * (load > BUSY * cores)
-
-
 class Crew(NamedTuple):
-    """Who computes: so many workers, on so many cores."""
+    """Who computes: so many workers, on so many cores, of which each had so much to do before."""
 
     workers: int
     cores: float
+    load: float
 
 
 class Unit(NamedTuple):
@@ -255,6 +257,7 @@ class Try(Protocol):
 def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Iterator[Estimate]:
     """What is left of each analysis of a case will cost; stores nothing."""
     journal, effort = _stored(case), Effort(PATIENCE, PATIENCE / PIECES)
+    crew = _crew(workers, os.cpu_count() or 1)
     for analysis, record in zip(journal.plan.analyses, journal.records, strict=True):
         if not (record.wanted() & ~record.done()).any():
             announce(f"every point of {analysis.layout.name} is stored: nothing is to be run")
@@ -264,9 +267,12 @@ def estimate(case: Case, workers: int, announce: Callable[[str], None]) -> Itera
         left = int((record.wanted() & ~record.done()).sum())
         with Probe(effort.limit) as probe:
             run = partial(_tried, probe, analysis)
-            crew = Crew(workers, os.cpu_count() or 1)
             found = _estimated(analysis, record, left, run, effort, crew)
         yield from found
+
+
+def _crew(workers: int, cores: float) -> Crew:
+    return Crew(workers, cores, os.getloadavg()[0] / cores)
 
 
 def foreseen(journal: Journal, policy: Policy) -> list[Estimate]:
@@ -276,7 +282,7 @@ def foreseen(journal: Journal, policy: Policy) -> list[Estimate]:
     ]
     limit = sum(left) if policy.max_points is None else policy.max_points
     left = np.diff(np.minimum(np.cumsum([0, *left]), limit)).tolist()
-    crew = Crew(policy.workers, inf if policy.cluster else os.cpu_count() or 1)
+    crew = _crew(policy.workers, inf if policy.cluster else os.cpu_count() or 1)
     most_of_a_point = policy.time_limit or inf
     parts = list(zip(journal.plan.analyses, journal.records, left, strict=True))
     dear = [part for part in parts if _may_be_long(part[0], part[2], most_of_a_point, crew)]
@@ -458,6 +464,7 @@ def _told(
         memory=OF_A_PROCESS * processes + _of_dataset(analysis, of_a_point),
         disk=OF_FILES + ON_DISK * of_a_point * points,
         workers=workers,
+        load=crew.load,
         failed=dict(sample.failed),
     )
 
