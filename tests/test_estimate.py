@@ -73,7 +73,8 @@ def test_an_estimate_holds_the_time_where_few_points_cost_nearly_all(
         return Tried(found, seconds, seconds, nbytes)
 
     monkeypatch.setattr("fiv_cli.sweep.estimate._tried", tried)
-    monkeypatch.setattr("fiv_cli.sweep.estimate.PATIENCE", np.inf)  # of a machine that is busy
+    stopped = SimpleNamespace(monotonic=lambda: 0.0)  # not ended by the clock of a busy machine
+    monkeypatch.setattr("fiv_cli.sweep.estimate.time", stopped)
     (found,) = estimate(api.load(table), 1, lambda _: None)
     low, high = found.seconds
     assert low < (1 + chained) * 1e6 * (0.04 + 0.96 * 0.01) < high
@@ -96,7 +97,8 @@ def test_points_that_are_given_up_together_are_not_taken_for_dear_ones(
         return Tried(result, min(seconds, 2.5), np.inf if result is None else seconds, 100)
 
     monkeypatch.setattr("fiv_cli.sweep.estimate._tried", tried)
-    monkeypatch.setattr("fiv_cli.sweep.estimate.PATIENCE", np.inf)  # of a machine that is busy
+    stopped = SimpleNamespace(monotonic=lambda: 0.0)  # not ended by the clock of a busy machine
+    monkeypatch.setattr("fiv_cli.sweep.estimate.time", stopped)
     (found,) = estimate(api.load(table | {"analysis": [asked]}), 1, lambda _: None)
     assert found.given_up == 0 and found.seconds[0] < 93 * 0.2 < found.seconds[1] < 60.0
 

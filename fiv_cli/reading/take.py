@@ -62,19 +62,16 @@ def taken_of_each(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -
         raise select.SelectionError(f"{variable}: a number, and no class; of = '. > 0'")
     held = [name for code, name in classes.items() if code in codes]
     names = [name for name in held if name not in (NOT_COMPUTED, "undecided")] or held
-    parts = [taken(dataset, variable, {**take, "of": name}) for name in names]
+    parts = [taken(dataset, variable, take, name) for name in names]
     told: Any = {"compat": "override", "coords": "minimal", "combine_attrs": "override"}
-    found = xr.concat(parts, "class", **told).assign_coords(
-        {"class": [name.replace("_", " ") for name in names]}
-    )
-    for name in (one for one in found if one != "status"):
-        own = f"{take['what']} that is {names[0].replace('_', ' ')}"
-        words = str(found[name].attrs["long_name"]).replace(own, take["what"], 1)
-        found[name].attrs["long_name"] = words
+    words = [name.replace("_", " ") for name in names]
+    found = xr.concat(parts, "class", **told).assign_coords({"class": words})
     return found.transpose(..., "class")
 
 
-def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dataset:
+def taken(
+    dataset: xr.Dataset, variable: str, take: Mapping[str, Any], of: str | Sequence[str] = ""
+) -> xr.Dataset:
     """What is taken of `variable`, over the axes that are left.
 
     Parameters
@@ -84,6 +81,7 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     take : ``what``, and the axes ``over``; for what is counted ``of``, a condition on numbers
         (``". > 0"``), a class (``"not equilibrium"``) or a list of classes; for a share
         ``relative_to``, axis -> value, the point whose share is one (or nothing)
+    of : counted in place of that
 
     Returns
     -------
@@ -101,7 +99,7 @@ def taken(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -> xr.Dat
     for axis in axes:
         if axis.dims[0] not in dataset[variable].dims:
             raise select.SelectionError(f"{variable}: not one value per {axis.name}")
-    array, what, of = dataset[variable], take["what"], take.get("of", "")
+    array, what, of = dataset[variable], take["what"], of or take.get("of", "")
     missing = unknown_points(dataset, variable, "undecided" in of)
     blurred = _blurred(dataset, variable, of)
     low, high, unknown = _between(_TAKINGS[what], _values(array, of), missing, blurred, axes)
@@ -244,11 +242,12 @@ def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> 
     if "." in of:
         words = f"with {of.replace('.', words, 1)}"
     elif of:
-        words = f"that is {of.replace('_', ' ')}"
+        words = f"that is {of.replace('_', ' ')}" * (of != EACH)
     if take["what"] in ("first", "last"):
         words = f"{axis.attrs.get('long_name', axis.name)} {words}"
-    words += " over that of the reference" if take.get("relative_to") else ""
-    return f"{take['what']} {'of ' * (take['what'] in ('spread', 'classes'))}{words}"
+    over = "over that of the reference" if take.get("relative_to") else ""
+    of_what = f"{'of ' * (take['what'] in ('spread', 'classes'))}{words}"
+    return " ".join(filter(None, (take["what"], of_what, over)))
 
 
 # --- ways of taking -------------------------------------------------------------------------------

@@ -483,12 +483,12 @@ class _Response:
     def _neutral(self) -> Outcome | None:
         """Undamped sliding: what is found depends on the start, so it is no attractor.
 
-        It is measured over a beat of its frequencies. None: an event has ended it.
+        It is measured over a beat of its frequencies. None: an event has ended it, or the motion.
         """
         begun, last_event = self.motion.time, self.watch.last_event
         beat = min(self.rests.longest_beat, self.settings["t_max"] - begun)
         outcome = self._measure_window(begun + max(self.patience, beat))
-        if self.watch.last_event > last_event:
+        if self.watch.last_event > last_event or not self._goes_on:
             return None
         outcome.reason = "neutral_oscillation"
         outcome.values["attractor"] = "undecided"

@@ -108,7 +108,7 @@ class Watch(Frame):
     ways: Floats  # numbers of pieces, then slip signs, at the equilibria
     asks_waiting: FixedInt
     patience: FixedFloat
-    begun: float
+    begun: float  # times, s: from when on it is followed, and of what it met last
     last_point: float
     last_event: float
     has_waited: int
