@@ -51,7 +51,6 @@ SECTION_WORDS = {
     "impact": "an impact",
 }
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
-LEVEL = 3.5  # of lines of equilibria, above all but what lies on them
 TURNS_HERE = "an equilibrium turns unstable"
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 SAME = 1e-6  # relative distance of values of one motion
@@ -101,12 +100,12 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
         _draw_cycles(ax, own, axis, layer, name)
-    turns = [
-        turn
+    drawn = [
+        _draw_equilibria(ax, layer, lines, found_at, axis)
         for layer, lines, found_at in zip(shown, equilibria, changes, strict=True)
-        for turn in _draw_equilibria(ax, layer, lines, found_at, axis)
     ]
-    _mark_turns(ax, turns)
+    if any(shares for _, shares in drawn):
+        _mark_turns(ax, [turn for turns, _ in drawn for turn in turns])
     words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", words))
     _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
@@ -727,13 +726,13 @@ def _draw_equilibria(
     equilibria: Mapping[str, xr.DataArray],
     changes: np.ndarray,
     axis: xr.DataArray,
-) -> list[Line2D]:
+) -> tuple[list[Line2D], bool]:
     """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`.
 
     Those of several diagrams, or at several values of other axes, have the colours of these.
-    Returned are marks where they turn unstable, not drawn yet.
+    Returned are marks where they turn unstable, not drawn yet, and whether some are one line.
     """
-    diagram, turns = layer.dataset, []
+    diagram, turns, shares = layer.dataset, [], False
     axis = select.axis_of(diagram, str(axis.name))
     dim, x = str(axis.dims[0]), points.positions(axis)
     lines = points.lines(diagram, [dim, "initial"], points.grid_dims(diagram))
@@ -752,21 +751,20 @@ def _draw_equilibria(
         for label, places, values, met in drawn:
             own = points.unlisted(label, called) if colours else called
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
-            (line,) = ax.plot(places, values, dashes, lw=weight, zorder=LEVEL,
+            (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
-            _blacken_shared(ax, line)
+            shares |= _blacken_shared(ax, line)
             told = points.unlisted(label, TURNS_HERE)
             turns += [Line2D(*met, color=line.get_color(), label=told)] * (word == "unstable")
         if colours and drawn and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
-    return turns
+    return turns, shares
 
 
 def _mark_turns(ax: Axes, turns: Sequence[Line2D]) -> None:
     """Where each of several equilibria that are one line turns unstable: the line tells of none."""
-    black = [one for one in ax.lines if one.get_label() == DECORATION and one.get_zorder() == LEVEL]
-    seen = [(one, np.array(one.get_data(), float)) for one in turns if black]
-    seen = [(one, places) for one, places in seen if places.size]
+    pairs = [(one, np.array(one.get_data(), float)) for one in turns]
+    seen = [(one, places) for one, places in pairs if places.size]
     for one, places in seen:
         ax.plot(*places, color=one.get_color(), label=one.get_label(), **TURN)
     if seen:
@@ -794,13 +792,19 @@ def _share(changes: np.ndarray, one: float, other: float) -> float:
     return float((between[0] - one) / (other - one)) if between.size == 1 else 0.5
 
 
-def _blacken_shared(ax: Axes, line: Line2D) -> None:
-    """What is the same in two diagrams is of neither's colour: the later would hide the other."""
-    for other in [one for one in ax.lines[:-1] if one.get_linestyle() == line.get_linestyle()]:
-        shared = _shared(line, other)
-        if np.isfinite(shared).any():
-            ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
-                    zorder=line.get_zorder(), color=style.BLACK, label=DECORATION)  # fmt: skip
+def _blacken_shared(ax: Axes, line: Line2D) -> bool:
+    """What is the same in two diagrams is of neither's colour: the later would hide the other.
+
+    Tells whether there is any.
+    """
+    alike = [one for one in ax.lines[:-1] if one.get_linestyle() == line.get_linestyle()]
+    parts = [
+        shared for shared in (_shared(line, one) for one in alike) if np.isfinite(shared).any()
+    ]
+    for shared in parts:
+        ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
+                zorder=line.get_zorder(), color=style.BLACK, label=DECORATION)  # fmt: skip
+    return bool(parts)
 
 
 def _shared(line: Line2D, other: Line2D) -> np.ndarray:

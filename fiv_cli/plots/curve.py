@@ -43,7 +43,7 @@ SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
-RING: dict[str, Any] = {"marker": "s", "ms": 7, "mfc": "none", "mew": 1.2, "ls": "none"}
+FRAME: dict[str, Any] = {"marker": "s", "ms": 7, "mfc": "none", "mew": 1.2, "ls": "none"}
 ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CAP = 2.0  # half the width of the ends of error bars, pt
 UPON = 1e-6  # relative: values that differ by less are drawn at one place
@@ -387,7 +387,7 @@ def _panel(
         apart = classes or entry.scattered or not numeric
         most = 0 if curve.of_crossings else int(crowd)
         if not apart:
-            _ring(ax, curve, entry, [other for other, _ in lines[place + 1 :]])
+            _frame_hidden(ax, curve, entry, [other for other, _ in lines[place + 1 :]])
         for named in _each_named(ax, curve, entry, apart, most):
             _plot(ax, curve, shift, named, apart, most, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
@@ -441,7 +441,7 @@ def _upon(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry])
     return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
 
 
-def _ring(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[_Curve]) -> None:
+def _frame_hidden(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[_Curve]) -> None:
     """A square about each point of a line that stands alone, and that of a `later` one hides.
 
     It is the wider the more of these there are.
@@ -455,8 +455,8 @@ def _ring(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[_Curve])
         met = (other.x == x[:, None]) & np.isclose(other.y, y[:, None], rtol=UPON, atol=0.0)
         count += met.any(axis=1)
     for number in np.unique(count[count > 0]).tolist():
-        here, wide = count == number, RING["ms"] * (1.0 + 0.5 * (number - 1))
-        look = {**RING, "ms": wide, "color": entry.colour, "label": DECORATION}
+        here, wide = count == number, FRAME["ms"] * (1.0 + 0.5 * (number - 1))
+        look = {**FRAME, "ms": wide, "color": entry.colour, "label": DECORATION}
         ax.plot(x[here], y[here], **look)
 
 
