@@ -16,7 +16,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import listed
-from fiv_cli.plots import branch, labels, points, style
+from fiv_cli.plots import branch, labels, leaps, points, style
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
@@ -60,15 +60,6 @@ UNSURE = {
 }
 MOSTLY = 0.9  # of their points, at which lines of all starts are one, but for what each has alone
 MOST_COMPARED = 100  # lines that may lie on one another
-SAME = 1e-6  # relative distance of values of one motion
-MANY = 1e6  # passages: more than any cycle has
-MARKS = ("period", "L_s")  # of a motion, beside its shares of stick and slip
-STEP = 3.0  # times those beside it: a step that no curve takes ...
-LEAP = 6.0  # ... or within a kind of cycle, where a square root begins steeply
-# Shares of its range by which a line leaps at least where it breaks; beside a kind of one
-# point, or at an end, where a step has none beside it: or a share of the lesser of both values.
-SEEN, SEEN_ALONE, GROWN = 0.02, 0.25, 0.5
-SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
 SMALL = 0.02  # ... or of all values
 SHORTER = 1.01
@@ -704,8 +695,8 @@ def _curves(
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
-    kinds = _kinds(dataset).broadcast_like(array)
-    logarithmic, marks = points.is_logarithmic(settings, "y"), [*_marks_of_motions(dataset)]
+    kinds = leaps.kinds(dataset).broadcast_like(array)
+    logarithmic, marks = points.is_logarithmic(settings, "y"), [*leaps.marks_of_motions(dataset)]
 
     def beside(line: points.Line, dim: str) -> np.ndarray:
         """The values of all starts at what a line holds fixed, shape (starts, points)."""
@@ -722,81 +713,17 @@ def _curves(
             )
         )
         y, error, ends = _narrowed(y, error, ends)
-        apart = (told[1:] != told[:-1]) | _turns_back(x) | _changes_over(y, beside(line, dim))
+        apart = (told[1:] != told[:-1]) | _turns_back(x) | leaps.changes_over(y, beside(line, dim))
         if name != "share":  # which may step as it likes
-            kind = _told_apart(kind, [one.isel(line.index, missing_dims="ignore") for one in marks])
-            apart |= _leaps(y, kind, points.shown_of(settings, y), logarithmic)
+            kind = leaps.told_apart(
+                kind, [one.isel(line.index, missing_dims="ignore") for one in marks]
+            )
+            apart |= leaps.leaps(y, kind, points.shown_of(settings, y), logarithmic)
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
         curves.append(_Curve(told_by, x, y, open_, (ends[0], ends[1]), error, jumps, limits=limits))
     return curves
-
-
-def _changes_over(y: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Between which neighbours a line leaves its motion for that of another start.
-
-    At one of both it has the value of another start, whose step between them is shorter by far.
-    """
-    with_, steps = np.isclose(starts, y, rtol=SAME, atol=0.0), np.abs(np.diff(starts, axis=1))
-    met = with_[:, 1:] != with_[:, :-1]
-    return np.asarray((met & (steps < SHARE_OF_STEP * np.abs(np.diff(y)))).any(axis=0))
-
-
-def _kinds(dataset: xr.Dataset) -> xr.DataArray:
-    """One number for how often a cycle passes the section, and which contacts stick on it."""
-    passages = numbers(dataset.get("multiplicity", dataset["status"]))
-    sticks = dataset.get("stick_fraction", passages * 0.0) > 0.0
-    if "contact" in sticks.dims:
-        sticks = (sticks * 2.0 ** np.arange(sticks.sizes["contact"])).sum("contact")
-    return passages.fillna(0.0) + MANY * sticks
-
-
-def _marks_of_motions(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
-    """What leaps, one or the other, where a line goes over to another cycle of the same kind."""
-    shares = [name for name in map(str, dataset) if name.endswith("_fraction")]
-    for name in [name for name in (*MARKS, *shares) if name in dataset]:
-        one = numbers(dataset[name])
-        yield from (
-            [one.isel(contact=n) for n in range(one.sizes["contact"])]
-            if "contact" in one.dims
-            else [one]
-        )
-
-
-def _told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> np.ndarray:
-    """Numbers of kinds of cycles along a line, which change where any mark of motions leaps."""
-    changes = kinds[1:] != kinds[:-1]
-    for one in marks:
-        if one.shape == kinds.shape and one.notnull().any():
-            ends = float(one.min()), float(one.max())
-            changes = changes | _leaps(one.values, kinds, ends, logarithmic=False)
-    return np.cumsum(np.append(False, changes))
-
-
-def _leaps(
-    y: np.ndarray, kinds: np.ndarray, shown: tuple[float, float], logarithmic: bool
-) -> np.ndarray:
-    """Between which neighbours a line steps by more than beside it, to a cycle of another kind.
-
-    Where a cycle gains a stick on its way the line goes on. Steps are compared with those within a
-    kind: beside them, else the median of all. No value elsewhere decides on a step that is seen,
-    where `shown` are the least and the greatest that are. To a cycle of the same kind it is one
-    that leaps by more than the steps on both sides of it, whatever they do.
-    """
-    height = np.log10(np.where(y > 0.0, y, np.nan)) if logarithmic else y
-    steps, differ = np.abs(np.diff(height)), kinds[1:] != kinds[:-1]
-    within = steps[~differ & np.isfinite(steps)]
-    if not within.size:
-        return np.zeros(steps.shape, bool)
-    known = np.pad(np.where(differ, np.nan, steps), 1, constant_values=np.nan)
-    beside, is_alone = np.fmax(known[:-2], known[2:]), np.isnan(known[:-2] + known[2:])
-    beside = np.where(np.isnan(beside), np.median(within), beside)
-    grown = np.abs(np.diff(y)) > GROWN * np.minimum(np.abs(y[1:]), np.abs(y[:-1]))
-    extent = float(np.ptp(np.log10(shown) if logarithmic else shown))
-    least = np.where(is_alone & ~grown, SEEN_ALONE, SEEN) * extent
-    least = np.maximum(np.where(differ, STEP, LEAP) * beside, least)
-    return np.asarray((differ | (grown & ~is_alone)) & (steps > least))
 
 
 def _narrowed(
