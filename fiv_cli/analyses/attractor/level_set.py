@@ -207,6 +207,27 @@ def level_sets(
     )  # fmt: skip
 
 
+def undamped_level(
+    sliding: Sliding, equilibria: Vector, jacobians: Real, states: Vector
+) -> NDArray[np.float64]:
+    """V over c of slides whose modes neither grow nor decay, in rows.
+
+    Below 1 such a slide meets no switching surface, ever; above it does, since its modes come
+    together sooner or later.
+
+    Parameters
+    ----------
+    jacobians : of the free states, shape (rows, n_free, n_free), 1/s
+    states : of the slides, shape (rows, n_states)
+    """
+    values, vectors = np.linalg.eig(jacobians)
+    margins, slopes = _guards(sliding, equilibria, np.max(np.abs(values), axis=-1))
+    away = (states - equilibria)[:, free_states(sliding.system)]
+    amplitudes = np.abs(_times(_inverses(values, vectors), away))
+    reached = _times(np.abs(slopes @ vectors), amplitudes)
+    return np.asarray(np.max(reached / margins, axis=-1, initial=0.0))
+
+
 def _periods(values: Complex, slowest: Vector) -> Vector:
     turning = np.abs(values.imag)
     least = np.min(turning, axis=-1, where=turning > 0.0, initial=np.inf)

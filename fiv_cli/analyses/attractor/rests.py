@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fiv_cli.analyses.attractor.descent import Descent, Slide, slides_to
 from fiv_cli.analyses.attractor.grounds import HURWITZ
-from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets
+from fiv_cli.analyses.attractor.level_set import LevelSet, level_sets, undamped_level
 from fiv_cli.analyses.base import Request
 from fiv_cli.analyses.common import Sliding, rests, start_states
 from fiv_cli.analyses.rest.linearisation import free_jacobian
@@ -123,6 +123,14 @@ class Rests:
         if self.landscape.unexcited.held[self.row]:
             values = [value for value in values if abs(value) > slow]
         return abs(max(value.real for value in values)) <= slow
+
+    def undamped_level(self, state: Vector) -> float:
+        """V over c of a slide about the first equilibrium, where that is neutral; NaN without."""
+        first, row = np.flatnonzero(self.landscape.owners == self.row), [self.row]
+        if not first.size or self.first is None:
+            return float("nan")
+        here = self.landscape.unexcited[row], self.first[None], self.landscape.jacobians[first]
+        return float(undamped_level(*here, state[None])[0])
 
     @property
     def longest_beat(self) -> float:

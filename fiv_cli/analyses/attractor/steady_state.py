@@ -91,6 +91,9 @@ LONGEST_BLOCK = 200.0  # ... natural periods; in longer ones it may grow beyond 
 SHOWN = 512  # section values stored of a motion that is not periodic
 PASSAGES = 4  # along a cycle that an early attempt takes, for each state
 ATTEMPT = 8000  # steps of one state that it costs beside them
+UPON = (
+    1e-6  # share by which the level of a slide may be off that just touches a surface, and goes on
+)
 SAME_VALUE = 1e-9  # share of itself by which what is the same at each section point varies
 SAME_PERIOD = 1e-6  # share by which the period at the section may differ from that of the cycle
 
@@ -292,7 +295,7 @@ class _Response:
         t_max, transient = self.settings["t_max"], self.settings["transient"]
         if transient > 0.0:
             self.stop = self.motion.run(min(transient, t_max))
-            self.watch.begun = self.watch.last_event = self.watch.last_point = self.motion.time
+            self.watch.last_event = self.watch.last_point = self.motion.time
         half = transient + 0.5 * max(t_max - transient, 0.0)
         if self.looked is None:
             answer = self._ended() or self._rest() or self._settle(half)
@@ -483,8 +486,10 @@ class _Response:
     def _neutral(self) -> Outcome | None:
         """Undamped sliding: what is found depends on the start, so it is no attractor.
 
-        It is measured over a beat of its frequencies. None: an event has ended it, or the motion.
+        It is measured over a beat of its frequencies. None: it slides for a while only.
         """
+        if self._is_sliding() and self.rests.undamped_level(self.motion.y) > 1.0 + UPON:
+            return None
         begun, last_event = self.motion.time, self.watch.last_event
         beat = min(self.rests.longest_beat, self.settings["t_max"] - begun)
         outcome = self._measure_window(begun + max(self.patience, beat))
@@ -782,7 +787,7 @@ class _Response:
             return "undecided", "cycle_not_confirmed"
         begun = outcome.values["transient_used"]
         if self.watch.asks_waiting and self.excitation is None and self.watch.last_event <= begun:
-            return "undecided", "neutral_oscillation"
+            return "undecided", "time_budget"  # what slides between two events is no torus
         if self.watch.count == 0:
             slides = self._is_quiet() and self.excitation is None
             return "undecided", "slide_not_decided" if slides else "no_section_points"

@@ -108,7 +108,6 @@ class Watch(Frame):
     ways: Floats  # numbers of pieces, then slip signs, at the equilibria
     asks_waiting: FixedInt
     patience: FixedFloat
-    begun: float  # times, s: from when on it is followed, and of what it met last
     last_point: float
     last_event: float
     has_waited: int
@@ -281,10 +280,8 @@ def may_rest(watch: Watch, run: Run) -> bool:
 @native
 def waits(watch: Watch, run: Run) -> bool:
     """Whether nothing has told for long that stick-slip goes on."""
-    since, patience = watch.last_point, watch.patience
-    if watch.excitation == 0.0:  # as long again as there were events: the last ones come slowly
-        since, patience = watch.last_event, max(patience, watch.last_event - watch.begun)
-    if watch.is_paced == 0 or watch.asks_waiting == 0 or run.time - since < patience * ALMOST:
+    since = watch.last_point if watch.excitation > 0.0 else watch.last_event
+    if watch.is_paced == 0 or watch.asks_waiting == 0 or run.time - since < watch.patience * ALMOST:
         return False
     if watch.excitation == 0.0 and not all_slide(run):
         return False
@@ -384,7 +381,7 @@ def watch_over(motion: Motion, ways: Vector, excitation: float | None, patience:
     watch.tell(**followed(motion.frame.address, patience))
     watch.excitation, watch.interval = excitation or 0.0, excitation or patience
     watch.may_rest = int(motion.started)
-    watch.begun = watch.last_event = watch.last_point = motion.time
+    watch.last_event = watch.last_point = motion.time
     return watch
 
 
