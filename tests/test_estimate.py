@@ -24,7 +24,7 @@ from fiv_cli.case.case import Refinement
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.sweep.borders import draw
-from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _spread, estimate, foreseen
+from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _crew, _parallel, _spread, estimate, foreseen
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.map_estimate import Drawing
 from fiv_cli.sweep.plan import make_plan
@@ -214,6 +214,16 @@ def test_an_estimate_tells_that_others_use_the_machine(
     (found,) = estimate(api.load(table), 1, lambda _: None)
     monkeypatch.setattr(os, "getloadavg", lambda: (99.0, 0.0, 0.0))
     assert (", cores being free (now 4.2 processes share one); " in found.line()) == told
+
+
+@pytest.mark.parametrize("load", [0.0, 0.1, 50.0])
+def test_that_others_use_the_machine_changes_no_number(
+    monkeypatch: pytest.MonkeyPatch, load: float
+) -> None:
+    monkeypatch.setattr(os, "getloadavg", lambda: (load, 0.0, 0.0))
+    (analysis,) = make_plan(api.load(LONG)).analyses
+    assert _parallel(analysis, _crew(3, 2)) == 2
+    assert _parallel(analysis, _crew(3, np.inf)) == 3
 
 
 def test_an_estimate_tells_of_points_that_failed(
