@@ -49,6 +49,7 @@ from fiv_cli.plots.critical_lines import _is_inside
 from fiv_cli.plots.curve import _narrowed
 from fiv_cli.plots.drawn import DECORATION, as_csv, in_one_line
 from fiv_cli.plots.law import force
+from fiv_cli.plots.levels import MOST_WRITTEN
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.plots.style import BLACK, class_colours, dot_size, finer, line_colours, tame_texts
@@ -1281,7 +1282,7 @@ def test_numbers_taken_over_undecided_points_are_marked_on_a_map():
     places = {(dataset["Omega"].values[x], dataset["N0"].values[y]) for x, y in np.argwhere(wide)}
     assert {*map(tuple, marks(drawn.axes[0], told))} == places
     assert told in legend_texts(drawn)
-    assert any(text.endswith("by the least and by the greatest") for text in legend_texts(drawn))
+    assert any(text.endswith("= 0.6, at least and at most") for text in legend_texts(drawn))
     settings = {"variable": "L_s", "take": {"what": "greatest", "over": ["initial"]}}
     (why,) = legend_texts(draw(dataset, figure("map", **settings)))[-1:]
     assert why.startswith("no value: ") and why.endswith("undecided points")
@@ -1502,6 +1503,16 @@ def test_a_value_has_one_colour_in_all_panels_and_each_contact_its_dashes():
     assert keys == [*top.values(), BLACK, BLACK]
     rows = list(csv.reader(as_csv(drawn, Path("a.csv")).splitlines()))
     assert {row[4] for row in rows[1:]} == {in_one_line(words) for words in [*top, *below]}
+
+
+@pytest.mark.parametrize(("points", "marker"), [(21, "None"), (8, ".")])
+def test_marks_leave_room_for_dashes_that_tell_contacts_apart(points, marker):
+    few = over_preloads().isel(Omega=slice(points))
+    drawn = draw(few, figure("curve", variable="stick_fraction"), look=look_of("paper", width=84.0))
+    assert {*looks_of(drawn.axes[0], "marker").values()} == {marker}
+    one = few.isel(contact=[0])
+    drawn = draw(one, figure("curve", variable="stick_fraction"), look=look_of("paper", width=84.0))
+    assert {*looks_of(drawn.axes[0], "marker").values()} == {"."}
 
 
 def test_of_two_dims_that_of_more_values_has_the_colours_also_of_gaps():
@@ -2338,14 +2349,18 @@ def test_lines_of_a_map_have_their_levels_written_on_them():
     assert both.legends[0].get_title().get_text() == said
 
 
-def test_no_line_of_several_levels_lies_between_rest_and_motion():
-    """A single level is the border of a region, though that is a jump."""
+def test_of_several_levels_the_one_next_to_rest_lies_between_rest_and_motion():
+    """As a single level does: it is the border of a region, though that is a jump."""
     dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
-    along_the_jump = []
-    for level in ([5e-4], [5e-4, 1e-3]):
-        x, y = on_the_lines(draw(dataset, figure("map", variable="L_s", level=level))).T
-        along_the_jump.append(np.count_nonzero(abs(y / x - 10.0) < 0.5))
-    assert along_the_jump[0] > 20 and along_the_jump[1] < 5
+    along_the_jump = {}
+    for level in ([5e-4], [1e-3], [5e-4, 1e-3]):
+        drawn = draw(dataset, figure("map", variable="L_s", level=level))
+        for lines in drawn.findobj(ContourSet):
+            x, y = np.concatenate(lines.allsegs[0]).T
+            key = len(level), float(lines.levels[0])
+            along_the_jump[key] = np.count_nonzero(abs(y / x - 10.0) < 0.5)
+    assert along_the_jump[1, 5e-4] > 20 and along_the_jump[1, 1e-3] > 20
+    assert along_the_jump[2, 5e-4] > 20 and along_the_jump[2, 1e-3] < 5
 
 
 @pytest.mark.parametrize("width", [60.0, 84.0, 200.0])
@@ -2386,6 +2401,36 @@ def test_a_level_is_written_where_its_line_is_straight_and_no_other_is_near(tmp_
     boxes = [one.get_window_extent() for one in ax.texts]
     assert boxes and not any(box.contains(*place) for box in boxes for place in places)
     assert all(one.get_position()[0] < 5.8 for one in ax.texts)
+
+
+@pytest.mark.parametrize("sharp", [0.003, 0.01, 0.03])
+def test_a_level_is_written_away_from_the_nose_of_its_line(sharp):
+    """Though places at the nose are further from its ends."""
+    dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
+    x, y = (np.linspace(0.0, 1.0, dataset.sizes[name]) for name in ("Omega", "N0"))
+    nose = 0.6 - np.sqrt(sharp**2 + (0.6 * (y - 0.5)) ** 2)
+    dataset["L_s"].values[:] = (x[:, None] - nose)[..., None]
+    settings = figure("map", x="Omega", y="N0", variable="L_s", level=-0.025)
+    drawn = draw(dataset, settings, look=look_of("paper", width=120.0))
+    (ax, *_) = drawn.axes
+    drawn.canvas.draw()
+    (text,), pixels = ax.texts, ax.transData.transform
+    Omega = np.interp(nose - 0.025, x, dataset["Omega"].values)
+    line = pixels(np.column_stack([Omega, dataset["N0"].values]))
+    nearest = line[nose.argmax()] - pixels(text.get_position())
+    text.set_rotation(0.0)
+    assert np.linalg.norm(nearest) > 0.8 * text.get_window_extent().width
+
+
+def test_of_one_level_one_line_has_it_written_on_it():
+    """Not each of many islands, nor both lines of what undecided points leave open."""
+    dataset = data.stability_map(nx=96, ny=97)
+    x, y = (np.linspace(0.0, 6.0 * np.pi, dataset.sizes[name]) for name in ("Omega", "N0"))
+    dataset["L_s"].values[:] = (np.sin(x)[:, None] * np.sin(y))[..., None]
+    islands = draw(dataset.isel(initial=[0]), figure("map", variable="L_s", level=0.1)).axes[0]
+    assert len(islands.findobj(ContourSet)[0].allsegs[0]) == 18 and len(islands.texts) == 1
+    several = draw(dataset.isel(initial=[0]), figure("map", variable="L_s", level=[-0.5, 0.5]))
+    assert 2 <= len(several.axes[0].texts) <= 2 * MOST_WRITTEN
 
 
 def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():

@@ -40,6 +40,7 @@ CLASS_SHIFT = 0.06
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 ACROSS = 0.8  # of the width of a figure: what a panel has
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
+TO_SEE_DASHES = 4  # times the room between marks without it
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
@@ -371,6 +372,9 @@ def _panel(
         mark = {**own[0].mark, **({} if own[0].is_marked else {"marker": "None"})}
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
     crowd = max((np.isfinite(c.y).sum() for c, _ in lines if not c.of_crossings), default=0)
+    looks = {(entry.colour, str(entry.dash)) for _, entry in lines}
+    if len(looks) > len({colour for colour, _ in looks}):  # dashes tell what colours do not
+        crowd *= TO_SEE_DASHES
     for place, (curve, entry) in enumerate(lines):
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
         # lines of classes lie on one another: each is moved a little

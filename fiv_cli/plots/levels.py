@@ -5,14 +5,14 @@ line at 0.5 is the border of the region in which half of them or more do it. A s
 interval has a line for each end: the border is known where the two are one.
 
 A plane is a stack of parts, shape (parts, points along y, points along x): no line leads from one
-to another, as from what rests to what vibrates.
+to another, as from what rests to what vibrates; of several levels that next to rest has one part.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import matplotlib as mpl
 import numpy as np
@@ -34,9 +34,11 @@ if TYPE_CHECKING:
 # Between levels written on lines, and at the ends of these, in lengths of the writing; where a line
 # has less, and its level would be written nowhere, at its ends and to others at least.
 ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
-# Of the half of what is written: another line is not to come so near; where that leaves no room, a
-# line of another level that is still nearer is one with it.
-CLEAR, ALIKE = 1.0, 0.4
+# Of the half of what is written: another line is not to come so near, and the own is straight as
+# far, from best to least; where that leaves no room, a line of another level that is still nearer
+# is one with it.
+CLEAR, ALIKE = (2.0, 1.4, 1.0), (0.4,)
+MOST_WRITTEN = 4  # times a level: on its longest lines, not on each of many islands
 WIDEST = 0.16  # of a panel: levels that take more hide what they name, and the legend tells them
 TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
 MOST_PLACES, MOST_ELSEWHERE = 300, 5000
@@ -45,6 +47,8 @@ PAD = 0.25  # around a level that is written, in heights of its letters
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 NOT_KNOWN = "not known"
 RIM: Any = [withStroke(linewidth=2.3, foreground="white")]  # of lines on any shade
+# Of each level the planes whose line is drawn: one, or one for each end of what its values may be.
+Panel: TypeAlias = Sequence[Sequence[np.ndarray]]
 STYLES: tuple[Any, ...] = (
     *("solid", "dashed", "dotted", "dashdot"),
     *((0, (8.0, 2.0)), (0, (5.0, 1.5, 1.0, 1.5, 1.0, 1.5)), (0, (2.0, 1.0)), (0, (1.0, 4.0))),
@@ -171,7 +175,7 @@ def draw(
     ax: Axes,
     array: xr.DataArray,
     places: tuple[np.ndarray, np.ndarray],
-    planes: Sequence[np.ndarray],
+    planes: Panel,
     levels: Sequence[float],
     colour: ColorType,
     *,
@@ -180,14 +184,14 @@ def draw(
     rim: bool = False,
     styles: Sequence[Any] = STYLES,
 ) -> None:
-    """Lines of planes, one for each end of what is drawn, where they reach the levels.
+    """Lines where the planes of a panel reach their levels, one for each end of what is drawn.
 
     Each has its level written on it, if they are `named` and each has the room; a `rim` sets them
     off from any shade.
     """
     drawn = []
-    for level, dashes in zip(levels, styles, strict=False):
-        for plane in planes:
+    for level, ends, dashes in zip(levels, planes, styles, strict=False):
+        for plane in ends:
             parts = (_off_the_level(part, level) for part in plane)
             for part in [part for part in parts if not _side(part, level)]:
                 lines = ax.contour(
@@ -226,20 +230,26 @@ def _height(ax: Axes) -> float:
 
 
 def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]) -> None:
-    """Write its level on each line; on none where one has no room: the legend tells them all."""
+    """Write each level on its lines; on none where one has no room: the legend tells them all.
+
+    Of the lines of two ends on those of one of them, and a single level once.
+    """
+    most = MOST_WRITTEN if len(levels) > 1 else 1
     written = [one.get_position() for one in ax.texts]
     own = [lines for lines, _ in drawn]
     further = [one for one in ax.collections if isinstance(one, QuadContourSet) and one not in own]
     crossing = [*_drawn_lines(ax), *(piece for one in further for piece in _pieces(one))]
     found: list[tuple[QuadContourSet, float, list[np.ndarray]]] = []
     for lines, level in drawn:
+        if any(of == level and places for _, of, places in found):
+            continue
         others = [piece for one, of in drawn if of != level for piece in _pieces(one)]
         taken = [*written, *(place for _, _, places in found for place in places)]
         text = labels.number_text(level, levels)
         rooms = (
-            _rooms(ax, lines, text, (others, share), crossing, taken) for share in (CLEAR, ALIKE)
+            _rooms(ax, lines, text, (others, shares), crossing, taken) for shares in (CLEAR, ALIKE)
         )
-        found.append((lines, level, next(filter(None, rooms), [])))
+        found.append((lines, level, next(filter(None, rooms), [])[:most]))
     if {level for _, level in drawn} == {level for _, level, places in found if places}:
         for lines, level, places in found:
             told = {level: labels.number_text(level, levels)}
@@ -252,14 +262,14 @@ def _rooms(
     ax: Axes,
     lines: QuadContourSet,
     text: str,
-    others: tuple[Sequence[np.ndarray], float],
+    others: tuple[Sequence[np.ndarray], Sequence[float]],
     crossing: Sequence[np.ndarray],
     written: Sequence[Any],
 ) -> list[np.ndarray]:
     """Where the level can be written on pieces of its lines beside what is `written` already.
 
     There it reaches over no side of the panel and no line of those `crossing`, its own is straight,
-    and those of `others` levels are further away than a share of it.
+    and those of `others` levels are further away than a share of it: the first that leaves room.
     """
     height = _height(ax)
     box = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
@@ -275,21 +285,29 @@ def _rooms(
     taken = [pixels(place) for place in written]
     chosen: list[np.ndarray] = []
     roomiest: tuple[float, list[np.ndarray]] = (LEAST_ROOM * length, [])
-    for whole in _pieces(lines):
+    for whole in sorted(_pieces(lines), key=lambda one: -_extent(pixels(one)))[:MOST_WRITTEN]:
         piece = _thinned(whole, MOST_PLACES)
         along = pixels(piece)
         apart = _distances(along, [along[0], along[-1]])
         apart[((along < low) | (along > high)).any(axis=1)] = 0.0
-        hides = _reaches(along, near, others[1] * box) | _reaches(along, far, box)
-        apart[hides | _bends(along, box)] = 0.0
         off = _distances(along, taken)
-        least = np.where(off > BESIDE * length, apart, 0.0)
+        for share in others[1]:
+            around = max(1.0, share) * box
+            hides = _reaches(along, near, share * box) | _reaches(along, far, around)
+            free = np.where(hides | _bends(along, around[0], box[1]), 0.0, apart)
+            best = np.where(off > ROOM * length, free, 0.0)
+            if best.max() > ROOM * length:
+                chosen.append(piece[best.argmax()])
+                taken.append(along[best.argmax()])
+                break
+        least = np.where(off > BESIDE * length, free, 0.0)
         roomiest = max(roomiest, (least.max(), [piece[least.argmax()]]), key=itemgetter(0))
-        apart[off <= ROOM * length] = 0.0
-        if apart.max() > ROOM * length:
-            chosen.append(piece[apart.argmax()])
-            taken.append(along[apart.argmax()])
     return chosen or roomiest[1]
+
+
+def _extent(line: np.ndarray) -> float:
+    """How far a line reaches, along the axis along which it reaches further."""
+    return float(np.ptp(line, axis=0).max())
 
 
 def _thinned(line: np.ndarray, most: int) -> np.ndarray:
@@ -321,10 +339,10 @@ def _reaches(along: np.ndarray, elsewhere: np.ndarray, box: np.ndarray) -> np.nd
     return np.asarray(np.any(inside.all(axis=-1), axis=1))
 
 
-def _bends(along: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """Where a line leaves a box along it by its long sides, to come back or not."""
-    near = np.linalg.norm(along - along[:, None], axis=-1) < box[0]
-    return np.asarray(np.any(near & (_in_frames(along, along)[..., 1] > box[1]), axis=1))
+def _bends(along: np.ndarray, length: float, height: float) -> np.ndarray:
+    """Where a line leaves a box along it, of these halves, by its long sides, for good or not."""
+    near = np.linalg.norm(along - along[:, None], axis=-1) < length
+    return np.asarray(np.any(near & (_in_frames(along, along)[..., 1] > height), axis=1))
 
 
 def _drawn_lines(ax: Axes) -> Iterator[np.ndarray]:
@@ -363,12 +381,10 @@ def _side(part: np.ndarray, level: float) -> str:
     return "" if known.min() < level else "above"
 
 
-def missed(
-    array: xr.DataArray, planes: Sequence[Sequence[np.ndarray]], levels: Sequence[float]
-) -> Iterator[str]:
+def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]) -> Iterator[str]:
     """Of each level that no plane reaches: why there is no line."""
-    for level in levels:
-        sides = {_beside(plane, level) for ends in planes for plane in ends}
+    for number, level in enumerate(levels):
+        sides = {_beside(plane, level) for panel in panels for plane in panel[number]}
         if "" not in sides:
             yield f"no line {_words(array, level, levels)}: {' or '.join(sorted(sides))} everywhere"
 
@@ -389,11 +405,12 @@ def overlay(
         dash = style.dash(number, len(planes)) if single else "-"
         styles = [dash] if single else STYLES
         look: dict[str, Any] = {"label": label, "named": not single, "styles": styles}
-        draw(ax, array, places, ends, levels, colour, **look)
+        draw(ax, array, places, [ends] * len(levels), levels, colour, **look)
         handles.append(Line2D([], [], color=colour, ls=dash, label=_entry(label, ends, levels)))
     told = [handle for handle in handles if handle.get_label()]
     every = [ends for _, ends in planes]
-    told += [] if single else keys(array, levels, style.BLACK, every)
+    panels = [[ends] * len(levels) for ends in every]
+    told += [] if single else keys(array, levels, style.BLACK, panels)
     # an axis without points of its own would be as large as the lines alone
     ax.set(xlim=_range(places[0]), ylim=_range(places[1]))
     if told:
@@ -403,28 +420,28 @@ def overlay(
             f"{_words(array, levels[0], levels)}{_both(every)}" if single else "",
         )
     else:
-        style.legend_below(ax.figure.figure, keys(array, levels, colours[0], every))
+        style.legend_below(ax.figure.figure, keys(array, levels, colours[0], panels))
 
 
 def keys(
     array: xr.DataArray,
     levels: Sequence[float],
     colour: ColorType,
-    planes: Sequence[Sequence[np.ndarray]],
+    panels: Sequence[Panel],
     styles: Sequence[Any] = STYLES,
 ) -> list[Line2D]:
-    """An entry of a legend for each level that is drawn in some planes (values of each end)."""
+    """An entry of a legend for each level that is drawn in some panels."""
     drawn = [
-        (f"{_words(array, level, levels)}{_both(planes)}", dash)
-        for level, dash in zip(levels, styles, strict=False)
-        if any(not _beside(plane, level) for ends in planes for plane in ends)
+        (f"{_words(array, level, levels)}{_both([panel[number] for panel in panels])}", dash)
+        for number, (level, dash) in enumerate(zip(levels, styles, strict=False))
+        if any(not _beside(plane, level) for panel in panels for plane in panel[number])
     ]
     return [Line2D([], [], color=colour, ls=dash, label=word) for word, dash in drawn]
 
 
 def _both(planes: Sequence[Sequence[np.ndarray]]) -> str:
     """What lines there are where planes have two ends."""
-    return ", by the least and by the greatest" if any(len(ends) > 1 for ends in planes) else ""
+    return ", at least and at most" if any(len(ends) > 1 for ends in planes) else ""
 
 
 def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> str:

@@ -17,6 +17,7 @@ from fiv_cli.flags import NOT_COMPUTED, ON_THE_WAY
 from fiv_cli.notation.names import pick
 from fiv_cli.plots import labels, levels, points, style
 from fiv_cli.plots.critical_lines import CriticalLines
+from fiv_cli.plots.levels import Panel
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     ends_of,
@@ -128,16 +129,21 @@ class _Planes:
         own = {dim: index for dim, index in panel.index.items() if dim in array.dims}
         return array.isel(own).transpose(*reversed(self.dims)).values
 
+    @property
+    def rests(self) -> xr.DataArray:
+        """Where an equilibrium is reached, as far as that is known."""
+        reached = self.dataset.get("attractor")
+        if reached is None or not {*reached.dims} <= {*self.array.dims}:
+            return self.computed & False
+        return is_class(reached, ("equilibrium",))
+
     def ends(self, panel: points.Line, *, apart: bool = False) -> list[np.ndarray]:
         """The numbers of one panel (of an interval, at each end), NaN where there is no answer.
 
         They are stacks (`levels`) of one part or, `apart`, of what rests and of all else.
         """
-        ends, reached = levels.planes_of(self.dataset, self.array), self.dataset.get("attractor")
-        rests = self.computed & False
-        if apart and reached is not None and {*reached.dims} <= {*self.array.dims}:
-            rests = is_class(reached, ("equilibrium",))
-        parts = [rests, ~rests] if rests.any() else [~rests]
+        ends, rests = levels.planes_of(self.dataset, self.array), self.rests
+        parts = [rests, ~rests] if apart else [self.computed | ~self.computed]
         return [
             np.stack([self.of(numbers(end).where(self.settled & part), panel) for part in parts])
             for end in ends
@@ -162,14 +168,19 @@ class _Lines:
     of_the_map: bool
 
     @property
-    def ends(self) -> list[list[np.ndarray]]:
-        """The numbers of each panel, at each end of what they may be."""
+    def ends(self) -> list[Panel]:
+        """Of each panel and level the numbers, at each end of what they may be."""
         return [*map(self._ends, self.planes.panels)]
 
-    def _ends(self, panel: points.Line) -> list[np.ndarray]:
-        """Those of one. A single level is the border of a region, which may be a jump; of several
-        no line leads along one from rest."""
-        return self.planes.ends(panel, apart=len(self.levels) > 1)
+    def _ends(self, panel: points.Line) -> Panel:
+        """Those of one. The level next to what rests is the border of a region, which may be a
+        jump; no other line leads along one from rest."""
+        whole, apart = (self.planes.ends(panel, apart=one) for one in (False, True))
+        at_rest = apart[0][0]
+        if not np.isfinite(at_rest).any():
+            return [whole] * len(self.levels)
+        off = np.abs(np.subtract(self.levels, np.nanmedian(at_rest)))
+        return [whole if one == off.min() else apart for one in off]
 
     @property
     def missed(self) -> list[str]:
