@@ -2052,7 +2052,8 @@ def test_the_share_of_each_class_is_a_line():
     dataset.attrs["starts_json"] = '{"far": "random"}'
     share = {"what": "share", "of": "each", "over": ["initial"]}
     drawn = draw(dataset, figure("curve", x="Omega", variable="attractor", take=share))
-    told = ["equilibrium", "periodic", "chaotic", "contact lost", "standard error"]
+    error = "standard error; at 0 and 1: 95% bound"
+    told = ["equilibrium", "periodic", "chaotic", "contact lost", error]
     (ax,) = drawn.axes
     assert legend_texts(ax) == told and ax.get_ylabel() == "share"
     rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
@@ -2962,6 +2963,19 @@ def test_a_curve_of_shares_of_random_starts_has_their_standard_error(kind, bars)
     assert len(drawn) == bars == 2 * [*map(Line2D.get_label, ax.lines)].count("standard error")
     for (low, high), p in zip(drawn, share, strict=False):
         assert high - low == pytest.approx(2.0 * np.sqrt(p * (1.0 - p) / 200))
+
+
+@pytest.mark.parametrize(("reached", "ends"), [("periodic", (0.05**0.005, 1.0)), ("chaotic", None)])
+def test_the_share_of_what_all_of_a_sample_show_or_none_has_a_bound(reached, ends):
+    """Such that a share beyond it shows that in one sample of twenty: p^n = 0.05, of 200 starts."""
+    found = data.basin().assign_attrs(starts_json=json.dumps({"any": "random"}))
+    found["attractor"][0] = data.codes(data.ATTRACTORS, reached)
+    over = {"what": "share", "of": "periodic", "over": ["initial"]}
+    settings = {"x": "Omega", "variable": "attractor", "take": over}
+    (ax,) = draw(found, figure("curve", **settings)).axes
+    (first, _) = [bar[:, 1] for bars in ax.collections for bar in bars.get_segments()]
+    assert tuple(first) == pytest.approx(ends or (0.0, 1.0 - 0.05**0.005))
+    assert "standard error; at 0 and 1: 95% bound" in legend_texts(ax)
 
 
 def test_a_map_counts_the_filled_in_points_of_what_it_shows():

@@ -28,7 +28,7 @@ from fiv_cli.reading.datasets import (
     standard_error_of,
     unknown_points,
 )
-from fiv_cli.reading.shares import ERROR
+from fiv_cli.reading.shares import ERROR, SURE, most_missed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -121,11 +121,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         if not all(curve.of_crossings for curve, _ in lines):
             lines = [(curve.marked_as_others(), entry) for curve, entry in lines]
         barred = _panel(ax, own, lines, numeric, points.is_logarithmic(settings, "y"))
-        sampled = (_is_of_a_sample(one.dataset, name) for name in own for one in along[name])
-        if barred and any(sampled):
-            ax.plot([], [], color=style.BLACK, label="standard error", **ERROR_BAR)
-    told = "undecided" if names == ["attractor"] else ""
-    points.dress(axes, _with_gaps(along), settings, told)
+        told = [_told_by_bars(one.dataset, name) for name in own for one in along[name]]
+        if barred and any(told):
+            ax.plot([], [], color=style.BLACK, label=max(told, key=len), **ERROR_BAR)
+    gaps = "undecided" if names == ["attractor"] else ""
+    points.dress(axes, _with_gaps(along), settings, gaps)
     return figure
 
 
@@ -920,12 +920,16 @@ def modes_of(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
 def _errors(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
     """How far each value may be off, infinite where it is not known; 0 for one that does not say.
 
-    Of what is a mean of a sample it is the standard error.
+    Of what is a mean of a sample it is the standard error; of what all of it show, or none, how far
+    it may be off all the same.
     """
     name = str(array.name)
     if error_of(name) in dataset:
         return numbers(dataset[error_of(name)]).fillna(np.inf).broadcast_like(array)
-    return dataset.get(_standard_error(name), 0.0 * array).broadcast_like(array)
+    error = dataset.get(_standard_error(name), 0.0 * array)
+    if "starts" in error.attrs:
+        error = error.where(error != 0.0, most_missed(error.attrs["starts"]))
+    return error.broadcast_like(array)
 
 
 def _standard_error(name: str) -> str:
@@ -933,10 +937,13 @@ def _standard_error(name: str) -> str:
     return ERROR if name == "share" else standard_error_of(name)
 
 
-def _is_of_a_sample(dataset: xr.Dataset, name: str) -> bool:
-    """Whether some values of a variable have a standard error."""
+def _told_by_bars(dataset: xr.Dataset, name: str) -> str:
+    """What the error bars of a variable tell if they are of a sample."""
     error = dataset.get(_standard_error(name))
-    return error is not None and bool(error.notnull().any())
+    if error is None or not bool(error.notnull().any()):
+        return ""
+    certain = "starts" in error.attrs and bool((error == 0.0).any())
+    return "standard error" + f"; at 0 and 1: {1.0 - SURE:.0%} bound" * certain
 
 
 def _sorting(dataset: xr.Dataset) -> tuple[str, str] | None:

@@ -180,12 +180,17 @@ def with_standard_error(
     if not is_sample(taken_of, drawn):
         return shares
     share, size = shares["share"], taken_of.sizes.get("initial", 1)
-    return shares.assign({ERROR: standard_error(share, size)})
+    return shares.assign({ERROR: standard_error(share, size).assign_attrs(starts=size)})
 
 
 def standard_error(share: Any, size: Any) -> Any:
     """That of a share of so many starts drawn at random; numbers, or arrays of them."""
     return (share * (1.0 - share) / size) ** 0.5
+
+
+def most_missed(size: int) -> float:
+    """The greatest share of which so many starts show none; all but it are theirs if all do."""
+    return float(1.0 - SURE ** (1.0 / size))
 
 
 def drawn_of(dataset: xr.Dataset) -> list[str]:
@@ -275,6 +280,6 @@ def _shown(share: Share) -> str:
         return f"{found:.5g}"
     if error > 0.0:
         return with_error(found, error)
-    missed = 1.0 - SURE ** (1.0 / size)
+    missed = most_missed(size)
     bound = f"at least {1.0 - missed:.3f}" if found else f"at most {missed:.1g}"
     return f"{found:g} ({'all' if found else 'none'} of {size}: {bound} at {1.0 - SURE:.0%})"
