@@ -885,7 +885,7 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     turns = {to_hex(line.get_color()): line.get_xdata().tolist() for line in ax.lines
              if line.get_marker() == "|" and len(line.get_xdata())}  # fmt: skip
     assert {colour: [at] for colour, at in begin.items()} == turns  # ... of which each is marked
-    assert "an equilibrium turns unstable" in legend_texts(ax)
+    assert "equilibrium turns unstable" in legend_texts(ax)
     (ax,) = draw([("one", analyses)], figure("bifurcation")).axes
     assert "|" not in {line.get_marker() for line in ax.lines}
     short = {name: one.isel(Omega=slice(35)) for name, one in analyses.items()}
@@ -2450,6 +2450,13 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     pending = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "pending"))
     with pytest.raises(UsageError, match=r"none of the 714 points has a value \(pending 714"):
         draw(pending, lines)
+
+
+def test_a_level_that_no_line_has_is_told_also_where_a_figure_has_no_title(stored):
+    asked = figure("map", variable="L_s", level=[5e-4, 2.0])
+    data.stability_map().assign_attrs(data.attributes(asked)).to_netcdf("a.nc")
+    result = run(plot_command, "a.nc", "--style", "paper", "-o", "a.png")
+    assert "no line L_s = 2 rad^2: below everywhere" in result.stderr
 
 
 @pytest.mark.parametrize(

@@ -86,7 +86,7 @@ def test_a_branch_is_solid_where_it_is_stable_and_marked_where_it_turns(
     error = branches["cycle_highest_error"].values
     np.testing.assert_allclose(ends, branches["cycle_highest"].values + error * [-1.0, 1.0])
     entries = [text.get_text() for text in ax.figure.legends[0].get_texts()]
-    happens = ["grazing", "ends at an equilibrium", "goes on beyond the bracket"]
+    happens = ["grazing", "ends at equilibrium", "goes on beyond the bracket"]
     assert entries[2:] == ["stable", "unstable", *happens]
     assert "least and greatest" in ax.get_ylabel()
 
@@ -127,7 +127,7 @@ def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None
     (figure,) = [one for one in default_figures(branches) if one.kind == "branch"]
     upright = branches["branch_value"].copy(data=np.full(branches["branch_value"].size, 1.0))
     (ax,) = draw(branches.assign(branch_value=upright), figure).axes
-    marks = [line for line in ax.lines if "at an equilibrium" in str(line.get_label())]
+    marks = [line for line in ax.lines if "at equilibrium" in str(line.get_label())]
     heights = [height for line in marks for height in line.get_ydata()]
     rows = np.cumsum(branches["branch_row_size"].values.ravel()) - 1
     ends = np.stack([branches[f"branch_{end}"].values[rows] for end in ("min", "max")])

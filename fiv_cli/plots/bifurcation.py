@@ -51,7 +51,7 @@ SECTION_WORDS = {
     "impact": "an impact",
 }
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
-TURNS_HERE = "an equilibrium turns unstable"
+TURNS_HERE = "equilibrium turns unstable"
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 SAME = 1e-6  # relative distance of values of one motion
 ALIKE = 1e-3  # of heights that are the same in a figure

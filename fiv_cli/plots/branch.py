@@ -45,7 +45,7 @@ MARKS = {
 }
 # Where bends lie close together the curve is seen inside their marks.
 HOLLOW: dict[str, Any] = {"mfc": "none", "mew": 0.6, "ms": 4.5, "ls": "none"}
-TOLD = {"equilibrium": "ends at an equilibrium", "bracket": "goes on beyond the bracket"}
+TOLD = {"equilibrium": "ends at equilibrium", "bracket": "goes on beyond the bracket"}
 LARGER = {"*": 1.7}  # of other marks: a star of their size is a dot
 UPON = 5e-3  # of the extent of two branches: no line is as thin
 MOST_COMPARED = 300  # cycles of a branch

@@ -73,8 +73,8 @@ SORTS = (("crossing_kind", "crossing_direction"), CLASSES, ANSWERS)
 BECOMES = {
     "to_stable": "a mode turns stable",
     "to_unstable": "a mode turns unstable",
-    "lost": "the equilibrium ends",
-    "gained": "an equilibrium begins",
+    "lost": "equilibrium ends",
+    "gained": "equilibrium begins",
 }
 
 

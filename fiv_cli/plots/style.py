@@ -242,6 +242,8 @@ _MET: ContextVar[set[str] | None] = ContextVar("_MET", default=None)
 """What of it stood in some."""
 
 _UNSAID: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+LACKING: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+"""What was asked for of a figure and is not in it; where it has a title that says so, too."""
 
 
 _OTHERS: ContextVar[Sequence[Axes]] = ContextVar("_OTHERS", default=())
