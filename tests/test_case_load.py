@@ -763,6 +763,15 @@ class TestClaims:
         ]
         text = belt(*figure).replace('"history"\nt_end = 30', '"response"')
         assert parse(text).figures
+        ends = text.replace(
+            '"response"', '"boundary"\nparameter = "mu_k"\nbracket = [0.1, 0.3]\nof = OF'
+        )
+        ends = ends.replace("OF", '{ variable = "attractor", expect = "periodic" }')
+        ends = ends.replace('variable = "L_s"\nselect.attractor', "select.class_above")
+        assert parse(ends).figures  # it shows `boundary` unless it says otherwise
+        problem = only_problem(ends.replace('"curve"', '"curve"\nvariable = "n_crossings"'))
+        assert "does not stand beside each value of 'n_crossings'" in problem.message
+        assert problem.allowed == "beside those of boundary, boundary_width, boundary_error"
         other = text.replace('"curve"\nvariable = "L_s"', '"basin"')
         assert "is a result, and no axis" in only_problem(other).message
 

@@ -194,11 +194,17 @@ def test_conditions_select_points():
         (". < 0.3", 2),
         ("0.2 < .", 8),
         (". == 0.7", 1),
+        (". != 0.7", 9),
     ],
 )
 def test_bounds_of_conditions_are_exact_although_axes_are_binary(text, count):
     axis = xr.DataArray(0.1 * np.arange(1, 11), dims="mu_k", name="mu_k")
     assert select.matching(axis, text, nearest=False).sum() == count
+
+
+@pytest.mark.parametrize("text", [". > 1", ". <= 1", ". == 1", ". != 1"])
+def test_no_condition_holds_of_what_is_not_known(text):
+    assert not select.condition(text)(np.array([np.nan])).any()
 
 
 @pytest.mark.parametrize("nearest", [True, False])

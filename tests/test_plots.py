@@ -4735,6 +4735,9 @@ def test_a_curve_is_narrowed_to_a_class():
     chosen = figure("curve", variable="L_s", select={"attractor": ["periodic", "chaotic"]})
     (ax,) = draw(found, chosen).axes
     assert np.nanmax(np.concatenate([line.get_ydata() for line in ax.lines])) == 3.0
+    found["attractor"][1] = data.codes(data.ATTRACTORS, "undecided")
+    assert not draw(found, chosen).axes[0].get_legend()  # it is of neither class, and no gap
+    assert "undecided" in legend_texts(draw(found, figure("curve", variable="L_s")).axes[0])
     wrong = figure("curve", variable="L_s", select={"attractor": "periodc"})
     with pytest.raises(UsageError, match="attractor = periodc: no such class"):
         draw(found, wrong)

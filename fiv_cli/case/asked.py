@@ -115,7 +115,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         _check_drawn(figure, name, known, places, (*place, key), report)
         if figure.kind in ("curve", "map") and "take" not in figure.settings:
             _refuse_motion(figure.kind, name, held, (*place, key), report)
-    drawn = (sound or names or [SHOWN.get(figure.kind, "status")])[0]
+    first = [SHOWN[figure.kind]] if figure.kind in SHOWN else _mapped(figure, held, ())
+    drawn = next(iter((*sound, *names, *first, "status")))
     places = _places(case, held, analysis, drawn)
     of_lines = _check_levels(figure, case, held, names, (*place, "level"), report)
     if places is not None and figure.kind not in OF_MOTIONS:
@@ -167,14 +168,15 @@ def _check_levels(
 
 
 def _mapped(figure: FigureSpec, held: Held, named: Sequence[str]) -> Sequence[str]:
-    """What a figure maps: what it takes or names, or a headline of its analysis, classes first."""
+    """What a figure shows: what it takes or names, or a headline of its analysis; of classes and
+    numbers a map the first, a curve the second."""
     if "take" in figure.settings or named:
         return [figure.settings["take"]["what"]] if "take" in figure.settings else named
     wanted = figure.settings.get("analysis")
     of = (own or () for name, own in held.items() if name == (wanted or name))
     shown = next(filter(None, ([v for v in own if v.headline] for own in of)), [])
-    first = sorted(shown, key=lambda one: (not _classes(one), one.headline))[:1]
-    return [one.name for one in first]
+    first = sorted(shown, key=lambda v: (bool(_classes(v)) == (figure.kind == "curve"), v.headline))
+    return [one.name for one in first[:1]]
 
 
 def _check_line(
@@ -412,17 +414,24 @@ def _check_classes(
     results = [one for one in beside if one.name in wanted]
     for one in results:
         at, classes, asked = (*place, one.name), _classes(one), wanted[one.name]
-        fits = own is not None and one.ragged in ("", own.ragged) and {*one.dims} <= {*own.dims}
+        fits = own is not None and _is_beside(one, own)
         if not classes:
             message = f"{one.name!r} is a number, and no axis: a {what} is narrowed to classes"
             report.add(at, message, listed([v.name for v in beside if _classes(v)]))
         elif not fits:
             name = own.name if own else "what is shown"
-            report.add(at, f"{one.name!r} does not stand beside each value of {name!r}")
+            message = f"{one.name!r} does not stand beside each value of {name!r}"
+            fitting = [v.name for v in beside if not _classes(v) and _is_beside(one, v)]
+            report.add(at, message, f"beside those of {listed(fitting)}" if fitting else "")
         else:
             for name in asked if isinstance(asked, list) else [asked]:
                 _check_class(one.name, classes, str(name), at, report)
     return [one.name for one in results]
+
+
+def _is_beside(one: Variable, own: Variable) -> bool:
+    """Whether each value of a variable, `own`, has one of another."""
+    return one.ragged in ("", own.ragged) and {*one.dims} <= {*own.dims}
 
 
 def _check_compared(

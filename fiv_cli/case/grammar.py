@@ -34,7 +34,7 @@ _AROUND = '{ value = V, tolerance = T }, T a number or a share such as "5 %"'
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _CONDITION = re.compile(
     rf"\s*(?:(?P<low>{_NUMBER})\s*(?P<left><=?)\s*)?\.\s*"
-    rf"(?:(?P<right><=?|>=?|==)\s*(?P<high>{_NUMBER})\s*)?"
+    rf"(?:(?P<right><=?|>=?|[!=]=)\s*(?P<high>{_NUMBER})\s*)?"
 )
 _CLASS = re.compile(r"(?P<negated>not )?(?P<name>[a-z][a-z0-9_+\->]*)")
 _NAME = r"(?:(?P<case>[^:\s*]+):)?(?P<variable>[A-Za-z]\w*)"

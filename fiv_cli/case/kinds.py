@@ -172,11 +172,11 @@ a figure says `select`), one number may be taken of many (`take`), and `expect` 
 
 Which points: axis -> a number in SI, a quantity ("15 deg"), a label (initial = "far" stands for
 far-000, far-001, ... too), a list of these, or a condition on the value, which is called `.`:
-"0.9 <= . < 1.8", ". > 5", ". == 0.3". An axis is one of the grid, `initial`, or one that the
-variable has of its own (time, frequency, mode, crossing, ...). What `at` says of an axis of `over`
-says what is taken; the rest says of which results the claim speaks. Section points have no axis: a
-claim on section_value speaks of each of them. A result narrows a claim to the values beside which
-it is of a class: at = { attractor = "periodic" }, or ["periodic", "quasiperiodic"].
+"0.9 <= . < 1.8", ". > 5", ". == 0.3", ". != 0". An axis is one of the grid, `initial`, or one that
+the variable has of its own (time, frequency, mode, crossing, ...). What `at` says of an axis of
+`over` says what is taken; the rest says of which results the claim speaks. Section points have no
+axis: a claim on section_value speaks of each of them. A result narrows a claim to the values beside
+which it is of a class: at = { attractor = "periodic" }, or ["periodic", "quasiperiodic"].
 
 What is taken of them, along one axis or several (`over`), grid or own: `fiv kinds take` lists it.
 `of` is a condition on a number (". > 0"), and "CLASS", "not CLASS" or a list of classes of a class;

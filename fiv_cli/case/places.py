@@ -136,8 +136,8 @@ def _is(value: Any, wanted: Any, numeric: bool) -> bool:
 def _holds(value: float, test: Test) -> bool:
     sign, bound = test
     if _is(value, bound, True):
-        return "=" in sign
-    return (value < bound and "<" in sign) or (value > bound and ">" in sign)
+        return "=" in sign and sign != "!="
+    return (value < bound and "<" in sign) or (value > bound and ">" in sign) or sign == "!="
 
 
 def _extent(axis: Axis, wanted: Any) -> str:

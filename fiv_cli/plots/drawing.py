@@ -348,9 +348,14 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
 
 
 def _of_classes(part: xr.Dataset, results: Mapping[str, Any]) -> xr.Dataset:
-    """The part with the numbers alone that stand where results have the classes that are wanted."""
+    """The part with the numbers alone that stand where results have the classes that are wanted.
+
+    Points of other classes, such as undecided ones, are no gaps of it.
+    """
     for name, wanted in results.items():
         mask = select.having(part[name], wanted)
+        if {*mask.dims} <= {*part["status"].dims}:
+            part = part.assign({points.NOT_SELECTED: part.get(points.NOT_SELECTED, False) | ~mask})
         held = [v for v in part.data_vars if {*mask.dims} <= {*part[v].dims}]
         numbers = [v for v in held if part[v].dtype.kind == "f"]
         part = part.assign({v: part[v].where(mask).assign_attrs(part[v].attrs) for v in numbers})

@@ -499,7 +499,8 @@ def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     if "attractor" in dataset:
         undecided = is_class(dataset["attractor"], ("undecided",))
         kinds["undecided"] = undecided & is_class(status, ("ok", "budget"))
-    return {name: mask for name, mask in kinds.items() if bool(mask.any())}
+    selected = ~dataset.get(NOT_SELECTED, status < 0)
+    return {name: mask & selected for name, mask in kinds.items() if bool((mask & selected).any())}
 
 
 def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
@@ -535,6 +536,7 @@ BOTH = " and "
 SHARED = "both starts", "all starts"
 MOST_LETTERS = 50  # of a name of several lines
 
+NOT_SELECTED = "not_selected"  # points of none of the classes that a figure selects
 GAP_MARKS = {
     "undecided": ("x", "#777777"),
     "failed": ("X", style.BLACK),

@@ -30,6 +30,7 @@ _COMPARE: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
     ">": operator.gt,
     ">=": operator.ge,
     "==": operator.eq,
+    "!=": lambda values, bound: (values < bound) | (values > bound),  # of nothing it is not known
 }
 
 MOST_NAMED = 12  # labels of an axis that a message names
@@ -53,7 +54,7 @@ def condition(text: str) -> Callable[[np.ndarray], np.ndarray] | None:
 
 def _holds(values: np.ndarray, sign: str, bound: float) -> np.ndarray:
     equal = np.isclose(values, bound, rtol=SAME, atol=0.0)
-    return equal if sign == "==" else np.where(equal, "=" in sign, _COMPARE[sign](values, bound))
+    return np.where(equal, "=" in sign and sign != "!=", _COMPARE[sign](values, bound))
 
 
 def axis_of(dataset: xr.Dataset, name: str) -> xr.DataArray:
