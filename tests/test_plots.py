@@ -52,7 +52,15 @@ from fiv_cli.plots.law import force
 from fiv_cli.plots.levels import MOST_WRITTEN
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.spectrum import amplitude_spectrum
-from fiv_cli.plots.style import BLACK, class_colours, dot_size, finer, line_colours, tame_texts
+from fiv_cli.plots.style import (
+    BLACK,
+    NOTES,
+    class_colours,
+    dot_size,
+    finer,
+    line_colours,
+    tame_texts,
+)
 from fiv_cli.reading import sampling
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
 from fiv_cli.reading.summary import lines as summary_lines
@@ -1314,6 +1322,8 @@ def test_a_line_stands_where_the_section_that_motions_choose_changes():
     other = same.assign(section_kind=(("Omega", "initial"), chosen.astype(np.int8), kinds))
     (ax,) = draw(other, figure("bifurcation")).axes
     assert marks(ax, "another section")[:, 0].tolist() == pytest.approx([2.95, 2.95])
+    (note,) = NOTES[ax.figure]
+    assert "changes at Omega = 2.95, and" in note and 'section = { zero = "phi_dot" }' in note
 
 
 def with_x_rms(unit):

@@ -246,7 +246,7 @@ def _of_files(
     """
     from fiv_cli.plots import nothing_suits
     from fiv_cli.plots.drawn import in_one_line
-    from fiv_cli.plots.style import LACKING
+    from fiv_cli.plots.style import NOTES
     from fiv_cli.plots.style import unsaid as words_without_place
     from fiv_cli.reading.datasets import read_analyses
 
@@ -256,8 +256,8 @@ def _of_files(
             drawn.append((default, _drawn(sources, figure, look)))
             for name in _unsaid(drawn[-1][1], _names_in(sources, figure)):
                 click.echo(f"--label {name}: not in the figure {figure.name}{OWN_NAMES}", err=True)
-            for lacking in LACKING.get(drawn[-1][1], []):
-                click.echo(f"figure {figure.name}: {in_one_line(lacking)}", err=True)
+            for note in NOTES.get(drawn[-1][1], []):
+                click.echo(f"figure {figure.name}: {in_one_line(note)}", err=True)
             if unsaid := words_without_place(drawn[-1][1]):
                 told = f"figure {figure.name}: words: {', '.join(map(repr, unsaid))}"
                 said = "; ".join(_said(drawn[-1][1]))

@@ -108,7 +108,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _mark_turns(ax, [turn for turns, _ in drawn for turn in turns])
     words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", words))
-    _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
+    others_at = _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
+    style.NOTES[figure] = _of_other_sections(others_at, axis, observed)
     if not clouds[0].label and (style.told_in([ax])[1] or points.gaps(first)):  # a legend anyway
         ax.lines[before].set_label(_start_of(first))
     points.dress([ax], shown, settings)
@@ -411,12 +412,24 @@ def _name_sorts(
 
 def _mark_other_sections(
     ax: Axes, datasets: Sequence[xr.Dataset], settings: points.Settings
-) -> None:
+) -> list[float]:
     """A line across where the section that motions choose changes: values jump there with it."""
-    places = {place for dataset in datasets for place in _other_sections(dataset, settings)}
-    for number, place in enumerate(sorted(places)):
+    met = {place for dataset in datasets for place in _other_sections(dataset, settings)}
+    places = sorted(met)
+    for number, place in enumerate(places):
         label = points.unlisted("another section") if number else "another section"
         ax.axvline(place, color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
+    return places
+
+
+def _of_other_sections(places: Sequence[float], axis: xr.DataArray, observed: str) -> list[str]:
+    """What to ask for where values of other sections stand side by side."""
+    if not places:
+        return []
+    where = ", ".join(f"{place:.4g}" for place in places[:3]) + ", ..." * (len(places) > 3)
+    zero = "STATE" if observed.endswith("_dot") else f"{observed}_dot"
+    one = f'section = {{ zero = "{zero}" }} in the analysis, say, is one for all'
+    return [f"the section changes at {axis.name} = {where}, and values jump there; {one}"]
 
 
 def _other_sections(dataset: xr.Dataset, settings: points.Settings) -> Iterator[float]:

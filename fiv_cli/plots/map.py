@@ -76,7 +76,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )
-    style.LACKING[figure] = missed
+    style.NOTES[figure] = missed
     is_class = bool(flag_names(planes.array.attrs))
     colours = [_colour(one, is_class) for one in lines]
     keys = [key for one, colour in zip(lines, colours, strict=True) for key in one.keys(colour)]

@@ -242,8 +242,8 @@ _MET: ContextVar[set[str] | None] = ContextVar("_MET", default=None)
 """What of it stood in some."""
 
 _UNSAID: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
-LACKING: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
-"""What was asked for of a figure and is not in it; where it has a title that says so, too."""
+NOTES: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+"""What whoever asked for a figure should know, as what of it is not there; no part of it."""
 
 
 _OTHERS: ContextVar[Sequence[Axes]] = ContextVar("_OTHERS", default=())
