@@ -607,6 +607,21 @@ def test_what_is_no_check_is_told(given, said):
     assert not told.passed and f"verify is to yield Check(...), not {said}" in told.name
 
 
+@pytest.mark.parametrize(("halvings", "passed"), [(0, False), (trial.HALVINGS, True)])
+def test_a_sharp_law_asks_for_finer_steps_of_rk4_and_is_not_taken_for_wrong(
+    monkeypatch, halvings, passed
+):
+    monkeypatch.setattr(trial, "HALVINGS", halvings)
+    monkeypatch.setattr(trial, "STEPS", 100.0)
+    sharp = re.sub(
+        "law_defaults={.*}", 'law_defaults={"mu_s": 0.4, "mu_k": 0.25, "v_s": 0.02}', MODEL
+    )
+    Path("my.py").write_text(sharp.replace('default_law="coulomb"', 'default_law="stribeck"'))
+    use_files([Path("my.py")])
+    checks = [one for one in trial.try_own() if one.source.endswith("my-belt with stribeck")]
+    assert {one.passed for one in checks if "rk4" in one.name} == {passed}
+
+
 def test_what_a_file_holds_to_be_known_is_checked(capsys):
     assert run(["new-model", "a-model"]) == 0
     wrong = capsys.readouterr().out.replace("x, 0.5, 1e-12", "x, 0.6, 1e-12")
