@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from math import atan2, exp, sin, sqrt
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fiv_cli import api
 from fiv_cli.analyses.attractor.bisection import (
     MOST_LOOKS,
     Change,
@@ -254,6 +256,7 @@ def test_nothing_is_looked_at_behind_a_run_that_leaves_nothing() -> None:
 
 OFFSET = Outcome(values={"attractor": "periodic", "u_min": 7.0, "u_max": 8.0})
 ABOVE = Question("stick_fraction", "", True, 0.0)
+BELTS = Outcome(values={"attractor": "periodic", "stick_fraction": np.array([0.0, 0.3])})
 
 
 @pytest.mark.parametrize(
@@ -286,6 +289,9 @@ ABOVE = Question("stick_fraction", "", True, 0.0)
         (ABOVE, Outcome(values={"attractor": "equilibrium", "stick_fraction": 0.0}), False),
         (ABOVE, Outcome(values={"attractor": "periodic", "stick_fraction": 0.2}), True),
         (ABOVE, Outcome(values={"attractor": "periodic"}), None),
+        (replace(ABOVE, contact=1), BELTS, False),
+        (replace(ABOVE, contact=2), BELTS, True),
+        (replace(ABOVE, contact=2), Outcome(values={"attractor": "periodic"}), None),
         (Question("L_s", "", True, 1.0), Outcome(values={"attractor": "diverged"}), True),
         (Question("u_amplitude", below=1.0), OFFSET, True),
         (Question("u_amplitude", below=0.4), OFFSET, False),
@@ -294,6 +300,43 @@ ABOVE = Question("stick_fraction", "", True, 0.0)
 )
 def test_answers(question: Question, outcome: Outcome, answer: bool | None) -> None:
     assert answered(question, outcome) is answer
+
+
+TWO_CONTACTS = {"schema": 1, "model": {"name": "belt-2mass"}}
+
+
+@pytest.mark.parametrize(("contact", "least", "most"), [(1, 3.0, 3.25), (2, 4.25, 4.5)])
+def test_where_one_of_several_contacts_no_longer_sticks(
+    contact: int, least: float, most: float
+) -> None:
+    """Between the two speeds of a sweep at which it last does, and first does not."""
+    speeds = {"grid": {"v": [least, most]}, "analysis": [{"kind": "response"}]}
+    swept = run(api.load(TWO_CONTACTS | speeds), workers=1)["stick_fraction"]
+    assert (swept.isel(contact=contact - 1).values.ravel() > 0.0).tolist() == [True, False]
+    of = {"variable": "stick_fraction", "contact": contact, "expect": {"greater_than": 0.0}}
+    asked = {"kind": "boundary", "parameter": "v", "bracket": [2.5, 6.0], "of": of, "width": 1e-3}
+    found = run(api.load(TWO_CONTACTS | {"analysis": [asked]}), workers=1)
+    (place,) = found["boundary"].values.ravel()
+    assert least < place < most
+
+
+@pytest.mark.parametrize(
+    ("of", "place", "allowed"),
+    [
+        ({"variable": "stick_fraction"}, "variable", "contact = 1, or another up to 2"),
+        ({"variable": "stick_fraction", "contact": 3}, "contact", "1 to 2"),
+        ({"variable": "L_s", "contact": 1}, "contact", "no contact, or of stick_fraction"),
+    ],
+)
+def test_a_number_of_each_contact_is_that_of_one(
+    of: dict[str, object], place: str, allowed: str
+) -> None:
+    asked = {"kind": "boundary", "parameter": "v", "bracket": [2.5, 6.0]}
+    asked["of"] = of | {"expect": {"greater_than": 0.0}}
+    with pytest.raises(CaseError) as caught:
+        api.load(TWO_CONTACTS | {"analysis": [asked]})
+    (problem,) = caught.value.problems
+    assert problem.path == f"analysis.0.of.{place}" and problem.allowed.startswith(allowed)
 
 
 @pytest.mark.parametrize("kind", ["equilibrium", "state"])

@@ -4739,6 +4739,16 @@ def test_figures_that_select_another_motion_are_not_drawn_of_this_one():
     assert drawing.possible_figures(one) == asked[1:2]
 
 
+def test_words_of_ones_own_leave_the_names_of_files_as_they_were_given():
+    one = crossing_lines(a=(0.0, 1.0))
+    named = [(name, one.assign_attrs(called=name)) for name in ("slow cycle", "fast cycle")]
+    named[1] = (named[1][0], named[1][1].assign(L_s=one["L_s"] + 1.0))
+    words_ = {"cycle": "orbit", "$L_s$": "strength"}
+    (ax,) = draw(named, figure("curve", variable="L_s", words=words_)).axes
+    assert legend_texts(ax) == ["slow cycle", "fast cycle"]
+    assert ax.get_ylabel().startswith("strength")
+
+
 def test_a_curve_is_narrowed_to_a_class():
     classes = np.array(["periodic", "chaotic", "periodic", "equilibrium"], object)
     found = data.response(classes, np.arange(1.0, 5.0), {"v": np.arange(4.0)})

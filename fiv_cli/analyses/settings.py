@@ -66,6 +66,7 @@ class Question:
     negated : "not CLASS"; of a number, that it must stay above
     below : the number that the variable must stay below (or above); None: it holds a class
     counts : a run that is undecided when its time is up has an answer like any other
+    contact : the contact whose number it is, from 1; None: there is one for all
     """
 
     variable: str = "attractor"
@@ -73,6 +74,7 @@ class Question:
     negated: bool = False
     below: float | None = None
     counts: bool = False
+    contact: int | None = None
 
 
 class Known(Protocol):
@@ -110,8 +112,8 @@ class Known(Protocol):
     def value(self, name: str) -> float | None:
         """The value of a parameter, SI; None where it varies."""
 
-    def numbers(self) -> Collection[str]:
-        """The variables of a `response` that are one number at each point."""
+    def numbers(self, along: str = "") -> Collection[str]:
+        """The variables of a `response` that are one number at each point, or each of `along`."""
 
 
 @dataclass(frozen=True)
@@ -648,6 +650,23 @@ class _Expectation(Setting):
         return '"periodic"'
 
 
+def _check_number(question: Question, known: Known) -> Iterator[Refusal]:
+    """A variable of the model, and a contact where each has a number of its own."""
+    name, number, every = question.variable, question.contact, known.model.contacts
+    numbers, of_contacts = known.numbers(), known.numbers("contact")
+    if name in of_contacts and number is None:
+        one = f"contact = 1, or another up to {every}"
+        yield Refusal(f"{name!r} has a number for each contact", one, place=("variable",))
+    elif name in of_contacts and number is not None and number > every:
+        yield Refusal(f"there is no contact {number}", f"1 to {every}", place=("contact",))
+    elif name not in of_contacts and number is not None:
+        message = f"{name!r} has no number for each contact"
+        yield Refusal(message, f"no contact, or of {listed([*of_contacts])}", place=("contact",))
+    elif name not in (*numbers, *of_contacts):
+        message = f"{name!r} is not one number at each point"
+        yield unknown(message, name, [*numbers, *of_contacts], "variable")
+
+
 @dataclass(frozen=True)
 class QuestionSetting(TableSetting):
     """A question that a run answers with yes or no."""
@@ -675,22 +694,21 @@ class QuestionSetting(TableSetting):
             default="open",
             choices=("open", "counts"),
         ),
+        Integer("contact", "contact whose number it is, from 1, where each has one"),
     )
 
     def taken(self, value: Any, known: Known) -> Question:
         expect, counts = value["expect"], value["undecided"] == "counts"
+        facts = {"counts": counts, "contact": value["contact"]}
         if not isinstance(expect, str):
             sign, bound = expect
-            return Question(value["variable"], "", sign == "greater_than", bound, counts)
+            return Question(value["variable"], "", sign == "greater_than", bound, **facts)
         name = expect.removeprefix("not ").strip()
-        return Question(value["variable"], name, expect.startswith("not "), counts=counts)
+        return Question(value["variable"], name, expect.startswith("not "), **facts)
 
     def check(self, value: Question, known: Known) -> Iterator[Refusal]:
         if value.below is not None:
-            numbers = known.numbers()
-            if value.variable not in numbers:
-                message = f"{value.variable!r} is not one number at each point"
-                yield unknown(message, value.variable, numbers, "variable")
+            yield from _check_number(value, known)
             return
         if value.variable != "attractor":
             message = f"{value.variable!r} holds no class"

@@ -100,9 +100,9 @@ class Variable:
 
     @property
     def askable(self) -> bool:
-        """Whether a question about a run can be about this number."""
+        """Whether a question about a run can be about this number, or about one of some contact."""
         answers = self.role in (Role.ANSWER, Role.SHARE) and self.kind != "flag"
-        return answers and self.one_per_point
+        return answers and (self.one_per_point or (self.along == "contact" and not self.ragged))
 
     @property
     def tells_trust(self) -> bool:

@@ -48,10 +48,10 @@ class Surroundings(Physics):
             return None
         return self.fixed.get(name, self.default(name))
 
-    def numbers(self) -> list[str]:
-        """The variables of a `response` that are one number at each point."""
+    def numbers(self, along: str = "") -> list[str]:
+        """The variables of a `response` that are one number at each point, or each of `along`."""
         held = variables_of("response", self.model, self.options, {"powers": "mean"})
-        return [variable.name for variable in (*held, *derived(held)) if variable.askable]
+        return [one.name for one in (*held, *derived(held)) if one.askable and one.along == along]
 
 
 def read_analyses(

@@ -248,7 +248,8 @@ def draw(
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
     if len(layers) > 1:  # each of them is called by what it differs in
         layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
-    words = settings.get("words", {})
+    given = (one.dataset.attrs.get("called", "") for one in layers)  # no part of these is a word
+    words = {**{name: name for name in given if name}, **settings.get("words", {})}
     with style.looks(axis, look, words, _called(words, layers)):
         drawn = kind.draw(layers, settings)
         points.relabel(drawn, settings)

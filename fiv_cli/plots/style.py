@@ -551,7 +551,8 @@ def finish(figure: Figure) -> None:
     for artist in itertools.chain.from_iterable([*ax.lines, *ax.collections] for ax in own):
         name = str(artist.get_label()).removeprefix("_")  # which hides it from legends, not tables
         artist.set_label(str(artist.get_label()).replace(name, worded(name)))
-    _UNSAID[figure] = [word for word in _WORDS.get() or () if word not in (_MET.get() or ())]
+    wanted = [word for word, own in (_WORDS.get() or {}).items() if word != own]
+    _UNSAID[figure] = [word for word in wanted if word not in (_MET.get() or ())]
 
 
 def _is_set(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:

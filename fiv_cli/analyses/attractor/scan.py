@@ -125,18 +125,19 @@ def answered(question: Question, outcome: Outcome) -> bool | None:
         return (label == question.name) != question.negated
     if label == "diverged" and named(question.variable).unbounded:
         return question.negated
-    value = _number(question.variable, outcome)
+    value = _number(question.variable, outcome, question.contact)
     if np.isnan(value):
         return None
     return value > question.below if question.negated else value < question.below
 
 
-def _number(name: str, outcome: Outcome) -> float:
-    """The number of a run; NaN where it has none."""
+def _number(name: str, outcome: Outcome, contact: int | None = None) -> float:
+    """The number of a run, or of a contact in it; NaN where it has none."""
     if named(name).derived:
         low, high = (_number(end, outcome) for end in extremes_of(name))
         return 0.5 * (high - low)
-    return float(outcome.values.get(name, np.nan))
+    found = outcome.values.get(name, np.nan)
+    return float(found if contact is None or np.ndim(found) == 0 else found[contact - 1])
 
 
 def _is_open(label: str, question: Question, status: str) -> bool:
