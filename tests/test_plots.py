@@ -233,6 +233,18 @@ def test_marks_of_gaps_stand_within_the_frame():
     assert heights.min() > 0.5 * points.GAP_MARK * ax.figure.dpi / style.POINTS
 
 
+@pytest.mark.parametrize("log", [False, "y"])
+def test_marks_of_gaps_stand_on_a_strip_below_what_has_a_value(log):
+    (ax,) = draw(data.bifurcation(), figure("curve", variable="L_s", log=log)).axes
+    (strip,) = (one for one in ax.patches if to_hex(one.get_facecolor()) == to_hex(points.STRIP))
+    marked = [line for line in ax.lines if line.get_transform() == ax.get_xaxis_transform()]
+    top = strip.get_height()
+    assert all(0.0 < line.get_ydata()[0] < top for line in marked)
+    values = [line.get_xydata() for line in ax.lines if line.get_transform() == ax.transData]
+    pixels = ax.transData.transform(np.concatenate([one[one[:, 1] > 0.0] for one in values]))
+    assert (ax.transAxes.inverted().transform(pixels)[:, 1] > top).all()
+
+
 def test_of_many_lines_those_few_that_have_gaps_are_named():
     """Eight lines, of which one has an undecided point."""
     values = np.array(["periodic"] * 8, object)[:, None, None].repeat(3, axis=2)
@@ -2920,6 +2932,20 @@ def test_a_file_that_gives_nothing_to_figures_is_told(tmp_path):
     assert told.exit_code == 0
     assert f"{paths[1]}: left out: a single point" in told.stderr
     assert "--figure basin" in told.stderr and "cycle_section" in told.stderr
+
+
+def test_a_dashed_motion_is_drawn_once_around():
+    """Else the dashes of its further periods would fill their gaps; a solid one has them all."""
+    motions = data.history(t_end=6.0 * np.pi / 9.0, sample=0.002)  # three periods
+    (ax,) = draw(motions, figure("phase", overlay=True)).axes
+    ways = {str(lines.get_linestyle()[0][1]): 0.0 for lines in ax.findobj(LineCollection)}
+    for lines in ax.findobj(LineCollection):
+        pieces = [np.diff(one, axis=0) / [0.01, 0.09] for one in lines.get_segments()]
+        length = sum(np.linalg.norm(one, axis=1).sum() for one in pieces)
+        ways[str(lines.get_linestyle()[0][1])] += length
+    solid, dashed = (ways[key] for key in sorted(ways, key=lambda one: one != "None"))
+    assert solid == pytest.approx(6.0 * np.pi, rel=0.01)  # of radius 1
+    assert dashed == pytest.approx(0.3 * 2.0 * np.pi, rel=0.01)
 
 
 def test_many_basins_fit_a_column_of_a_page():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -86,8 +87,20 @@ def short_label(variable: xr.DataArray, name: str = "", of: str = "") -> str:
 def shared_label(variables: Sequence[xr.DataArray]) -> str:
     r"""Symbols of variables of one unit, and this: ``$x_\mathrm{min}$, $x_\mathrm{max}$ (m)``."""
     unit = unit_text(str(variables[0].attrs.get("units", "1")))
-    words = ", ".join(quantity(one, str(one.name)) for one in variables)
+    words = _begun_alike([str(one.attrs.get("long_name", "")) for one in variables])
+    if not words or any(has_symbol(one, str(one.name)) for one in variables):
+        words = ", ".join(quantity(one, str(one.name)) for one in variables)
     return f"{words} ({unit})" if unit else words
+
+
+def _begun_alike(names: Sequence[str]) -> str:
+    """The words with which all begin, of which there are to be two: ``share of time``."""
+    alike = itertools.takewhile(
+        lambda words: len({*words}) == 1, zip(*map(str.split, names), strict=False)
+    )
+    words = " ".join(one for one, *_ in alike)
+    words = re.sub(r"( (of|in|at|the))+$", "", words)
+    return words if " " in words else ""
 
 
 def quantity(variable: xr.DataArray, name: str) -> str:

@@ -33,6 +33,9 @@ ROOM, TURN, PLACES = 0.06, 4.0, 300
 CLEAR = 0.1  # of the extent: a start as near as that would be hidden
 MARKERS = "osD^vphX"
 MARK: dict[str, Any] = {"ms": 5, "mfc": "none", "color": style.BLACK, "ls": "none"}
+# A path retraces itself where, having been so far away, it comes so close again, and most of it
+# does, at as many instants; in shares of its extent.
+AWAY, BACK, MOST, LAGS = 0.1, 1e-3, 0.998, 20_000
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
@@ -144,6 +147,20 @@ class _Path:
     is_coarse: bool
     is_long: bool
 
+    def once_around(self) -> float:
+        """The instant from which on it retraces itself, so that dashes would fill their gaps."""
+        if self.is_coarse:
+            return np.inf
+        even = np.linspace(self.time[0], self.time[-1], LAGS)
+        places = np.column_stack([np.interp(even, self.time, own) for own in self.points.T])
+        places /= np.maximum(np.ptp(places, axis=0), np.finfo(float).tiny)
+        off = abs(places - places[0]).max(axis=1)
+        left = int(np.argmax(off > AWAY))
+        for lag in left + np.flatnonzero(off[left:] < BACK):
+            if left and np.quantile(abs(places[lag:] - places[:-lag]).max(axis=1), MOST) < BACK:
+                return float(even[lag])
+        return np.inf
+
     def between(self, begin: float, end: float) -> np.ndarray:
         """What of it lies between two instants, smooth where it may be."""
         first, last = np.searchsorted(self.time, (begin, end))
@@ -183,9 +200,11 @@ def _panel(
         _rest(ax, one, names, mark)
         return
     path = path_of(one, names, settings)
+    until = path.once_around() if mark.dash != "-" else np.inf
     stretches: dict[str, list[np.ndarray]] = {}
     for state, begin, end in motion.contact_spans(one, settings):
-        stretches.setdefault(state, []).append(path.between(begin, end))
+        if begin < until:
+            stretches.setdefault(state, []).append(path.between(begin, min(end, until)))
     for state, pieces in stretches.items():
         look = {"color": style.CLASSES[state], "lw": 1.0, "ls": mark.dash}
         path.draw(ax, pieces, points.joined(one.label, state), **look)

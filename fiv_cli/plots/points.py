@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from fiv_cli.case.overrides import parse_override
 from fiv_cli.errors import EmptyFigureError, UsageError
@@ -550,6 +551,7 @@ GAP_MARKS = {
 MOST_GAP_ROWS = 6
 APART = 2.5  # pt: marks in a row are no bar
 GAP_MARK = 5.0  # pt
+STRIP = "0.92"  # colour of where marks stand that have no height
 
 
 def colours(axes: Sequence[Axes]) -> dict[str, ColorType]:
@@ -561,7 +563,7 @@ def colours(axes: Sequence[Axes]) -> dict[str, ColorType]:
 def mark_gaps(
     axes: Sequence[Axes], layers: Sequence[Layer], settings: Settings, told: str = ""
 ) -> None:
-    """Marks along the lower edge of the last panel where points of a line have no answer.
+    """Marks on a strip along the lower edge of the last panel where points have no answer.
 
     None of the kind that is `told` otherwise. Of a few among several lines each has a row, in its
     own colour.
@@ -578,8 +580,12 @@ def mark_gaps(
             ms=GAP_MARK, ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
             transform=ax.get_xaxis_transform(), zorder=5, markevery=_apart(ax, x),
         )  # fmt: skip
-    limited = "ylim" in settings and ax is axes[0]
-    if looks and not limited and ax.get_yscale() == "linear":
+    if not looks:
+        return
+    place: Any = (0.0, 0.0), 1.0, step * len(looks)
+    look: Any = {"fc": STRIP, "ec": "none", "zorder": 1.6, "label": DECORATION}  # over the grid
+    ax.add_patch(Rectangle(*place, transform=ax.transAxes, **look))
+    if not ("ylim" in settings and ax is axes[0]):
         _make_room_below(ax, step * (len(looks) + 1))  # marks of values reach below these
 
 
@@ -628,9 +634,12 @@ def _apart(ax: Axes, x: np.ndarray) -> list[int]:
 
 def _make_room_below(ax: Axes, share: float) -> None:
     """Let what is drawn begin above the lowest `share` of a panel."""
-    (low, high), bottom = ax.get_ylim(), ax.dataLim.y0
+    is_log = ax.get_yscale() == "log"
+    ends = (*ax.get_ylim(), ax.dataLim.minposy if is_log else ax.dataLim.y0)
+    low, high, bottom = np.log(ends) if is_log else ends
     if bottom < high and bottom - low < share * (high - low):
-        ax.set_ylim((bottom - share * high) / (1.0 - share), high)
+        least = (bottom - share * high) / (1.0 - share)
+        ax.set_ylim(np.exp(least) if is_log else least)
 
 
 def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarray]]:
