@@ -441,8 +441,8 @@ def test_damping_that_gives_energy_is_remarked(capsys):
     """It may be meant so; that of every model which comes with fiv takes it."""
     assert not any(fed_by_damping(model) for model in all_models().values() if model.contacts)
     Path("my.py").write_text(MODEL.replace('- p("c") * x_dot', '+ p("c") * x_dot'))
-    for command, code in ((["models", "my-belt"], 0), (["verify"], 5), (["check", "case.toml"], 0)):
-        assert run([*command, "--with", "my.py"]) == code
+    for command in (["models", "my-belt"], ["verify"], ["check", "case.toml"]):
+        assert run([*command, "--with", "my.py"]) == 0
         assert "its damping gives energy to some motions" in "".join(capsys.readouterr())
 
 
