@@ -326,13 +326,14 @@ def test_where_one_of_several_contacts_no_longer_sticks(
         ({"variable": "stick_fraction"}, "variable", "contact = 1, or another up to 2"),
         ({"variable": "stick_fraction", "contact": 3}, "contact", "1 to 2"),
         ({"variable": "L_s", "contact": 1}, "contact", "no contact, or of stick_fraction"),
+        ({"contact": 1, "expect": "periodic"}, "contact", "no contact"),
     ],
 )
 def test_a_number_of_each_contact_is_that_of_one(
     of: dict[str, object], place: str, allowed: str
 ) -> None:
     asked = {"kind": "boundary", "parameter": "v", "bracket": [2.5, 6.0]}
-    asked["of"] = of | {"expect": {"greater_than": 0.0}}
+    asked["of"] = {"expect": {"greater_than": 0.0}} | of
     with pytest.raises(CaseError) as caught:
         api.load(TWO_CONTACTS | {"analysis": [asked]})
     (problem,) = caught.value.problems

@@ -661,7 +661,8 @@ def _check_number(question: Question, known: Known) -> Iterator[Refusal]:
         yield Refusal(f"there is no contact {number}", f"1 to {every}", place=("contact",))
     elif name not in of_contacts and number is not None:
         message = f"{name!r} has no number for each contact"
-        yield Refusal(message, f"no contact, or of {listed([*of_contacts])}", place=("contact",))
+        others = f", or of {listed([*of_contacts])}" * bool(of_contacts)
+        yield Refusal(message, f"no contact{others}", place=("contact",))
     elif name not in (*numbers, *of_contacts):
         message = f"{name!r} is not one number at each point"
         yield unknown(message, name, [*numbers, *of_contacts], "variable")
@@ -710,6 +711,8 @@ class QuestionSetting(TableSetting):
         if value.below is not None:
             yield from _check_number(value, known)
             return
+        if value.contact is not None:
+            yield Refusal("a class is that of all contacts", "no contact", place=("contact",))
         if value.variable != "attractor":
             message = f"{value.variable!r} holds no class"
             hint = "give expect = { less_than = NUMBER } or { greater_than = NUMBER }"
