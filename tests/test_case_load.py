@@ -366,8 +366,15 @@ class TestGrid:
             ("mu_k = [0.1, nan]", "finite"),
             ('mu_k = [0.1, "1 N"]', "does not fit"),
             ("mu_k = { start = 0, stop = 1, step = 0.3 }", "0.9 and 1.2"),
-            ("mu_k = { start = 1, stop = 0, step = 0.5 }", "above stop"),
-            ("mu_k = { start = 0, stop = 1, step = -0.5 }", "positive"),
+            (
+                "mu_k = { start = 1, stop = 0, step = 0.5 }",
+                "from 1.0 lead away from 0.0: give step = -0.5",
+            ),
+            ("mu_k = { start = 0, stop = 1, step = 0 }", "the step must not be 0"),
+            (
+                "mu_k = { start = 0, stop = 1, step = -0.5 }",
+                "lead away from 1.0: give step = 0.5, or exchange",
+            ),
             ("mu_k = { start = 0, stop = 1 }", "either step or num"),
             ("mu_k = { start = 0, stop = 1, num = 1 }", "both ends"),
             ('mu_k = { start = 0, stop = 1, num = 3, scale = "log" }', "above 0"),

@@ -127,8 +127,9 @@ class TestAxes:
     def test_stepped_values_are_the_decimals_written(
         self, start: Decimal, step: Decimal, gaps: int
     ) -> None:
-        span = span_by_step(Fraction(start), Fraction(start + gaps * step), Fraction(step))
-        assert span.values() == [float(start + i * step) for i in range(gaps + 1)]
+        for step_ in (step, -step):
+            span = span_by_step(Fraction(start), Fraction(start + gaps * step_), Fraction(step_))
+            assert span.values() == [float(start + i * step_) for i in range(gaps + 1)]
 
     @given(DECIMALS, STEPS, st.integers(2, 300))
     def test_counted_values_include_both_ends(
@@ -137,12 +138,15 @@ class TestAxes:
         stop = start + (num - 1) * step
         span = span_by_count(Fraction(start), Fraction(stop), num, "linear")
         assert span.values() == [float(start + i * step) for i in range(num)]
+        back = span_by_count(Fraction(stop), Fraction(start), num, "linear")
+        assert back.values() == span.values()[::-1]
 
     @given(st.integers(-8, 8), st.integers(1, 8))
     def test_decades_are_exact(self, first: int, decades: int) -> None:
         start, stop = Fraction(10) ** first, Fraction(10) ** (first + decades)
         values = span_by_count(start, stop, decades + 1, "log").values()
         assert values == [float(f"1e{first + i}") for i in range(decades + 1)]
+        assert span_by_count(stop, start, decades + 1, "log").values() == values[::-1]
 
     @given(STEPS, st.integers(2, 50))
     def test_logarithmic_values_rise_by_one_ratio(self, start: Decimal, num: int) -> None:

@@ -267,6 +267,7 @@ def test_the_bar_grows_with_it() -> None:
         (('of = "attractor"', "sample = -1"), "-1 is out of range"),
         (('of = "attractor"', 'off = "x"'), "unknown key 'off'"),
         (("{ start = 1, stop = 9, num = 9 }", "[1, 2, 4.5]"), "do not rise evenly"),
+        (("{ start = 1, stop = 9, num = 9 }", "{ start = 9, stop = 1, num = 9 }"), "do not rise"),
         (("levels = 3", "levels = 12"), "1,073,840,130 runs"),
         (
             ('kind = "state"\nstate = { x_dot = "v" }',

@@ -62,11 +62,19 @@ class Span:
 
 
 def span_by_step(start: Fraction, stop: Fraction, step: Fraction) -> Span:
-    """The axis start, start + step, ..., stop; AxisError when a step does not land on stop."""
-    if step <= 0:
-        raise AxisError(f"the step must be positive, not {float(step):g}", "step")
-    _check_order(start, stop)
+    """The axis start, start + step, ..., stop, rising or falling.
+
+    AxisError when a step does not land on stop.
+    """
+    if step == 0:
+        raise AxisError("the step must not be 0", "step")
     gaps = (stop - start) / step
+    if gaps < 0:
+        raise AxisError(
+            f"steps of {float(step)!r} from {float(start)!r} lead away from {float(stop)!r}: "
+            f"give step = {float(-step)!r}, or exchange start and stop",
+            "step",
+        )
     if gaps.denominator != 1:
         below = start + floor(gaps) * step
         raise AxisError(
@@ -78,12 +86,12 @@ def span_by_step(start: Fraction, stop: Fraction, step: Fraction) -> Span:
 
 
 def span_by_count(start: Fraction, stop: Fraction, num: int, scale: str) -> Span:
-    """The axis of `num` values from start to stop, ``scale`` "linear" or "log"."""
-    _check_order(start, stop)
+    """The axis of `num` values from start up or down to stop, ``scale`` "linear" or "log"."""
     if num < 1 or (num == 1) != (start == stop):
         raise AxisError(f"{num} values cannot include both ends", "num")
-    if scale == "log" and start <= 0:
-        raise AxisError(f"a logarithmic axis starts above 0, not at {float(start):g}", "start")
+    for key, end in (("start", start), ("stop", stop)) if scale == "log" else ():
+        if end <= 0:
+            raise AxisError(f"a logarithmic axis lies above 0, not at {float(end):g}", key)
     return Span(start, stop, num, logarithmic=scale == "log")
 
 
@@ -98,11 +106,6 @@ def span_of_list(values: Sequence[Fraction]) -> Span:
     if not rising or not (linear or constant):
         raise AxisError("its values do not rise evenly")
     return Span(first, last, len(values), logarithmic=not linear)
-
-
-def _check_order(start: Fraction, stop: Fraction) -> None:
-    if start > stop:
-        raise AxisError(f"start {float(start)!r} is above stop {float(stop)!r}", "start")
 
 
 def _decimal(value: Fraction) -> Decimal:

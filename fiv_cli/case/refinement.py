@@ -60,6 +60,8 @@ def _halved(axis: Candidate, levels: int, report: Report) -> Candidate:
     try:
         if isinstance(written, list) and written:
             written = span_of_list([exact(check_quantity(value), unit) for value in written])
+        if isinstance(written, Span) and written.start > written.stop:
+            raise AxisError("its values do not rise")
         if isinstance(written, Span):
             return replace(axis, written=written.halved(levels))
     except AxisError as error:
