@@ -168,7 +168,9 @@ class RangeTable(Table):
 
     start: Quantity = Field(description="first value")
     stop: Quantity = Field(description="last value, included")
-    step: Quantity | None = Field(default=None, description="from value to value, negative if they fall; must hit stop")
+    step: Quantity | None = Field(
+        default=None, description="between values, below 0 if they fall; must hit stop"
+    )
     num: int | None = Field(default=None, description="number of values, instead of step")
     scale: Literal["linear", "log"] = Field(default="linear", description="spacing, with num")
 
