@@ -142,6 +142,24 @@ def test_stick_slip_and_the_unstable_cycle_within_it_are_one_branch(
     assert {*api.names_of(found["branch_stable"]).values.tolist()} >= {"stable", "unstable"}
 
 
+def test_at_any_damping_a_branch_of_stick_slip_goes_on_to_the_equilibrium() -> None:
+    """At those of 0.35 to 0.55 N s/m it ended at its grazing, though its cycle went on."""
+    damping = np.linspace(0.3, 0.6, 7)
+    law = {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.2, "v_s": 0.5, "delta": 1.0}
+    cycle = {
+        "kind": "cycle", "section": {"zero": "x_dot", "direction": "down"}, "observe": "x",
+        "parameter": "v", "bracket": [0.1, 9.0], "width": 1e-8,
+    }  # fmt: skip
+    case = {
+        "schema": 1, "friction": law, "grid": {"c": damping.tolist()}, "analysis": [cycle],
+        "model": {"name": "belt-1dof", "parameters": {"N": 10.0, "v": 0.3}},
+    }  # fmt: skip
+    found = api.run(api.load(case), workers=1)
+    is_rest = api.names_of(found["cycle_end_kind"]).values == "equilibrium"
+    hopf = 0.5 * np.log(0.2 * 10.0 / (0.5 * damping))
+    assert found["cycle_end"].values[is_rest] == pytest.approx(hopf, abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("offset", "direction", "t_max"),
     [({"x": 1.3}, "down", 15.0), ({"x_dot": 1.0}, "both", 8.0), ({"x": 1.0}, "both", 100.0)],

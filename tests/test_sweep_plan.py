@@ -340,3 +340,12 @@ def test_a_law_that_rises_within_the_bracket_is_told(friction: str, told: int) -
     text = f'schema = 1\n[model]\nname = "flutter-2dof"\n[friction]\n{friction}\n{critical}'
     lines = make_plan(sweep_fakes.case(text)).describe()
     assert sum("mu_k = 0.9 is above mu_s = 0.4" in line for line in lines) == told
+
+
+@pytest.mark.parametrize(("zipped", "told"), [('zip = [["mu_k", "mu_s"]]', 0), ("", 1)])
+def test_values_that_never_meet_are_not_compared(zipped: str, told: int) -> None:
+    """Where mu_s is 1.3 mu_k throughout, friction rises nowhere."""
+    text = 'schema = 1\n[model]\nname = "flutter-2dof"\n[friction]\nlaw = "stribeck"\n'
+    text += f"[grid]\nmu_k = [0.2, 0.4]\nmu_s = [0.26, 0.52]\n[sweep]\n{zipped}\n"
+    lines = make_plan(sweep_fakes.case(text + '[[analysis]]\nkind = "eigenvalues"\n')).describe()
+    assert sum("mu_k = 0.4 is above mu_s = 0.26" in line for line in lines) == told

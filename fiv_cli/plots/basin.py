@@ -37,6 +37,7 @@ FEWEST = 10  # starts that make a figure of their own
 SHARE = 26  # letters of a share and its class
 SEAM = 0.2  # pt, around a cell, so that none is seen
 DENSE = 4.0  # of the size of a mark: a cell of a lattice that is smaller is filled
+MANY = 400  # starts on a lattice, of which marks would be stripes in a flat panel
 CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))  # of a cell
 STAR = 8.0  # size of the mark of an equilibrium, pt
 NUMBER = re.compile(r"\d")  # no class has one in its name, but in words of one's own
@@ -208,12 +209,12 @@ def _scatter(
 
 
 def _is_dense(ax: Axes, x: np.ndarray, y: np.ndarray, size: float) -> bool:
-    """Whether starts are a lattice of cells that are hardly larger than marks of a size, pt^2."""
+    """Whether starts are a lattice: of many, or of cells hardly larger than marks."""
     counts = np.array([_distinct(x), _distinct(y)])
     if counts.prod() != x.size or counts.min() < 2:
         return False
     cell = np.array(ax.bbox.size) / ax.figure.dpi * style.POINTS / counts
-    return bool(cell.min() ** 2 < DENSE * size)
+    return bool(cell.min() ** 2 < DENSE * size) or x.size >= MANY
 
 
 def _cells(x: np.ndarray, y: np.ndarray, mask: np.ndarray) -> np.ndarray:

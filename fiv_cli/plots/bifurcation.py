@@ -606,6 +606,11 @@ def _draw_cycles(
                 ax.plot([], [], color=style.BLACK, label=told, **look)
             for height in heights:
                 smooth.draw(ax, x, height, points.unlisted(place, told), color=colour, **look)
+                known = np.pad(np.isfinite(height), 1)
+                alone = known[1:-1] & ~known[:-2] & ~known[2:]  # no line leads there
+                fill = colour if word == "stable" else "none"
+                dot: dict[str, Any] = {"marker": "o", "ms": 2.5, "mfc": fill, "ls": "none"}
+                ax.plot(x[alone], height[alone], color=colour, label=DECORATION, **dot)
         tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
         if at_section and tells:
             _mark_changes(ax, dataset, axis, layer, colours)
@@ -850,15 +855,34 @@ def _cycles(
             stretches = branch.stretches(dataset, line.index, at_section=at_section)
             yield from ((dataset.isel(line.index), stretch) for stretch in stretches)
     elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
-        x, dim = points.positions(dataset.coords[str(axis.name)]), str(axis.dims[0])
+        own = dataset.coords[str(axis.name)]
+        x, dim = points.positions(own), str((own if own.ndim else axis).dims[0])
         extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
         heights = [*_at_section(dataset)] if at_section else extremes
-        lines = points.lines(dataset, [dim], points.grid_dims(dataset))
-        for word, line in itertools.product(branch.DASHES, lines):
-            mask = is_class(dataset["stable"], (word,)).isel(line.index)
-            if mask.any():
-                shown = [height.isel(line.index).where(mask).values for height in heights]
-                yield dataset.isel(line.index), branch.Stretch(word, x, shown, at_section)
+        lines = [*points.lines(dataset, [dim], points.grid_dims(dataset))]
+        for word in branch.DASHES:
+            before: list[tuple[dict[str, int], np.ndarray]] = []
+            for line in lines:
+                mask = is_class(dataset["stable"], (word,)).isel(line.index)
+                every = np.array([one.isel(line.index).where(mask).values for one in heights])
+                place = {name: at for name, at in line.index.items() if name != "initial"}
+                shown = _not_again(every, [one for there, one in before if there == place])
+                before.append((place, every))
+                if np.isfinite(shown).any():
+                    yield dataset.isel(line.index), branch.Stretch(word, x, [*shown], at_section)
+
+
+def _not_again(heights: np.ndarray, before: Sequence[np.ndarray]) -> np.ndarray:
+    """The cycles of a start, shape (heights, points along the axis), that no start `before` found.
+
+    Dashes over dashes would be a line. Neighbours of others are kept, to which their lines lead.
+    """
+    same = [
+        np.isclose(heights, one, rtol=SAME, atol=0.0, equal_nan=True).all(axis=0) for one in before
+    ]
+    again = np.logical_or.reduce([np.zeros(heights.shape[-1], bool), *same])
+    own = np.pad(~again & np.isfinite(heights).any(axis=0), 1)
+    return np.where(~again | own[:-2] | own[2:], heights, np.nan)
 
 
 def _at_section(dataset: xr.Dataset) -> Iterator[xr.DataArray]:

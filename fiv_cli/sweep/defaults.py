@@ -83,13 +83,24 @@ def _rising(case: Case) -> Iterator[str]:
     """Laws that rise with speed somewhere in the case, for which no motion may be followed."""
     linear = any(get_analysis(spec.kind).linear for spec in case.analyses)
     for law in case.laws if linear else ():
-        static, kinetic = (_values(case, law, name) for name in ("mu_s", "mu_k"))
-        if law != "coulomb" and static and kinetic and max(kinetic) > min(static):
+        above = [pair for pair in _met(case, law) if pair[0] > pair[1]]
+        if law != "coulomb" and above:
+            kinetic, static = max(above)
             yield (
-                f"mu_k = {max(kinetic):.12g} is above mu_s = {min(static):.12g}: under {law} "
+                f"mu_k = {kinetic:.12g} is above mu_s = {static:.12g}: under {law} "
                 "friction rises with speed there; write a greater mu_s, or none where it follows "
                 "mu_k, under [friction]"
             )
+
+
+def _met(case: Case, law: str) -> list[tuple[float, float]]:
+    """Values of mu_k and mu_s that stand together: of axes that do not advance so the extremes."""
+    names = ("mu_k", "mu_s")
+    kinetic, static = (_values(case, law, name) for name in names)
+    groups = ({one.removeprefix(f"{law}.") for one in group} for group in case.zips)
+    if any(group.issuperset(names) for group in groups):
+        return [*zip(kinetic, static, strict=True)]
+    return [(max(kinetic), min(static))] if kinetic and static else []
 
 
 def _values(case: Case, law: str, name: str) -> list[float]:

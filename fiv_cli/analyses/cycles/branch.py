@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
@@ -70,7 +71,7 @@ UNBOUND = 1e3  # a multiplier beyond grows without bound, as one does towards a 
 ASIDE = 0.05  # share of the way to a change by which a step ends beside where it is foreseen
 HALVINGS = 40  # of a stretch in which a jump is looked for
 APART = 1e-3  # share of its extent by which a motion over a period jumps at least
-CORNERS = (1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
+CORNERS = (1e-4, 1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
 AHEAD = 0.2  # distance from there within which it is looked for ...
 BESIDE = 0.1  # ... and found
 NEARBY = 4.0  # steps within which what lies beyond a change must have been found
@@ -833,6 +834,13 @@ def _all_ways(here: Point) -> Matrix:
     return np.concatenate([np.eye(len(here.unknowns)), -np.eye(len(here.unknowns))])
 
 
+def _ways_with_pairs(here: Point) -> Matrix:
+    """These, and then each two of the unknowns together."""
+    pairs = combinations(np.eye(len(here.unknowns)), 2)
+    both = np.array([one + sign * other for one, other in pairs for sign in (1.0, -1.0)])
+    return np.concatenate([_all_ways(here), *(np.array([both, -both]) / np.sqrt(2.0))])
+
+
 def _over_period(line: Continuation, here: Point, unknowns: Vector) -> Passage:
     """The motion from a point near the last cycle, over its period."""
     problem, anchor = line.at(_in_bracket(line, unknowns)), here.frame.anchor_of(unknowns[:-1])
@@ -883,7 +891,7 @@ def _round_corner(line: Continuation, here: Point, met: list[Point]) -> Point | 
     """
     for distance in CORNERS:
         tried = {point.cycle.signature for point in (here, *met)}
-        for way in _all_ways(here):
+        for way in _ways_with_pairs(here):
             found = _beyond_corner(line, here, here.unknowns + distance * way)
             if found is None or found.cycle.signature in tried:
                 continue
