@@ -854,6 +854,30 @@ def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
     assert r"unstable cycle: extremes of $\varphi$" in legend_texts(ax)
 
 
+def test_cycles_that_several_starts_find_are_drawn_once_and_single_ones_as_marks():
+    """Else dashes filled one another's gaps, and what stands alone was not seen; whatever else
+    advances with the axis of the diagram."""
+    one = cycles_along_the_grid()
+    fan = one.isel(initial=[0, 0, 0]).assign_coords(initial=["a", "b", "c"])
+    omega = one["Omega"].values
+    fan["phi_max"] = (
+        fan["phi_max"]
+        .where(fan["initial"] != "c", 0.5)
+        .where((fan["initial"] != "c") | (fan["Omega"] == omega[5]))
+    )
+    fan["phi_min"] = fan["phi_min"].where(fan["phi_max"].notnull())
+    fan = fan.rename_dims(Omega="both").assign_coords(mu_k=("both", omega))
+    (ax,) = draw(
+        {"response": data.bifurcation(), "cycle": fan},
+        figure("bifurcation", select={"initial": "far"}),
+    ).axes
+    lines = [line[np.isfinite(line[:, 1])] for line in dashed(ax)]
+    whole = [line[:, 1] for line in lines if len(line) > 5]
+    assert sorted(line[0] for line in whole) == [0.02, 0.09]
+    dots = [line.get_xydata() for line in ax.lines if line.get_marker() == "o"]
+    assert [omega[5], 0.5] in np.concatenate(dots).tolist()
+
+
 def with_eigenvalues():
     """`resting`, with its equilibria, which turn stable between 2.9 and 3 rad/s."""
     response, omega = resting(), data.bifurcation()["Omega"].values
@@ -2774,6 +2798,20 @@ def test_a_basin_of_a_refined_lattice_has_a_cell_at_every_point(shift):
     (star,) = [line for line in ax.lines if line.get_label() == "where they rest"]
     assert star.get_xydata().tolist() == [[0.0, 0.0]]
     assert "6.7% of 6561 points run" in drawn.get_suptitle()
+
+
+@pytest.mark.parametrize(("count", "filled"), [(9, False), (41, True)])
+def test_a_lattice_of_many_starts_is_filled_in_flat_panels_too(count, filled):
+    """Marks as large as the smaller step would be stripes along it."""
+    one = _refined_lattice(count)
+    one["computed"] *= 0  # all of them were run
+    one["computed"].attrs = _refined_lattice(count)["computed"].attrs
+    every = [one.assign_coords(Omega=float(n)).expand_dims("Omega") for n in range(4)]
+    drawn = draw(
+        xr.concat(every, "Omega", data_vars="all").transpose(..., "state"), figure("basin")
+    )
+    for ax in drawn.axes:
+        assert any(isinstance(cells, PolyCollection) for cells in ax.collections) == filled
 
 
 def test_a_panel_of_a_basin_of_which_no_point_was_run_has_cells_too():
