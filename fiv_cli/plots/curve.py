@@ -24,6 +24,7 @@ from fiv_cli.reading.datasets import (
     error_of,
     flag_names,
     headlines,
+    is_class,
     numbers,
     standard_error_of,
     unknown_points,
@@ -126,6 +127,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             ax.plot([], [], color=style.BLACK, label=max(told, key=len), **ERROR_BAR)
     gaps = "undecided" if names == ["attractor"] else ""
     points.dress(axes, _with_gaps(along), settings, gaps)
+    style.NOTES[figure] = _of_edges(parts)
     return figure
 
 
@@ -925,11 +927,31 @@ def _errors(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
     """
     name = str(array.name)
     if error_of(name) in dataset:
-        return numbers(dataset[error_of(name)]).fillna(np.inf).broadcast_like(array)
+        known = dataset[error_of(name)].where(~_is_edge(dataset, name))
+        return numbers(known).fillna(np.inf).broadcast_like(array)
     error = dataset.get(_standard_error(name), 0.0 * array)
     if "starts" in error.attrs:
         error = error.where(error != 0.0, most_missed(error.attrs["starts"]))
     return error.broadcast_like(array)
+
+
+def _is_edge(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Where the end of a branch is an edge of its bracket, beyond which it may go on."""
+    kind = f"{name}_kind"
+    return is_class(dataset[kind], ("bracket",)) if kind in dataset else dataset["status"] < 0
+
+
+def _of_edges(parts: Mapping[str, _Parts]) -> list[str]:
+    """What to do about ends that are none, by the variables of a figure."""
+    counts = {
+        name: sum(int(_is_edge(one.dataset, name).sum()) for one in own.values())
+        for name, own in parts.items()
+    }
+    return [
+        f"{name}: {count} values are an edge of the bracket, beyond which it may go on: widen it"
+        for name, count in counts.items()
+        if count
+    ]
 
 
 def _standard_error(name: str) -> str:

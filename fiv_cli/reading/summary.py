@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Mapping
+from collections.abc import Mapping
 from math import inf, prod
 from typing import TYPE_CHECKING, Any
 
@@ -327,12 +327,17 @@ def _count_line(counts: Mapping[str, int]) -> str:
     return ", ".join(f"{name} {n}{shares[name] * several}" for name, n in counts.items())
 
 
-def _at_edges(counts: Mapping[str, Mapping[str, int]]) -> set[str]:
-    """Ends of branches and ranges that are no more than an edge of what was looked at."""
-    return {name.removesuffix("_kind") for name, kinds in counts.items() if {*kinds} == {"bracket"}}
+def _at_edges(counts: Mapping[str, Mapping[str, int]]) -> dict[str, str]:
+    """Where ends of branches and ranges are no more than an edge of what was looked at."""
+    return {
+        name.removesuffix("_kind"): f"at {kinds['bracket']} of {sum(kinds.values())} "
+        * (len(kinds) > 1)
+        for name, kinds in counts.items()
+        if kinds.get("bracket")
+    }
 
 
-def _range_lines(ranges: Mapping[str, Mapping[str, Any]], at_edges: Container[str]) -> list[str]:
+def _range_lines(ranges: Mapping[str, Mapping[str, Any]], at_edges: Mapping[str, str]) -> list[str]:
     """A line for each; one for a work that ranges alike at the section, and for terms that vanish.
 
     Terms are the powers and works of the balance of energy. The error of a single value follows it;
@@ -344,7 +349,7 @@ def _range_lines(ranges: Mapping[str, Mapping[str, Any]], at_edges: Container[st
         errors |= {name: alone[error(name)]["least"] for name in alone if error(name) in alone}
     told = {
         name: _range_line(span, errors.get(name))
-        + " (the bracket's edge: it may go on beyond)" * (name in at_edges)
+        + f" ({at_edges.get(name, '')}the bracket's edge: it may go on beyond)" * (name in at_edges)
         + (f" (at {span['values']} of {span['of']} points)" if "of" in span else "")
         for name, span in ranges.items()
     }
