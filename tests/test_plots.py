@@ -2176,12 +2176,13 @@ def test_words_and_limits_are_for_the_panel_that_is_given():
 
 
 def test_words_that_a_figure_does_not_have_are_told_with_those_that_it_has(tmp_path):
+    """As they are without its own, for which others are written."""
     words = {"belt": "disc", "ear": "", "near": "close"}  # "disc" is there by itself
     asked = FigureSpec("d", "bifurcation", {"words": words})
     data.bifurcation().assign_attrs(data.attributes(asked)).to_netcdf(tmp_path / "a.nc")
     told = CliRunner().invoke(plot_command, [str(tmp_path / "a.nc"), "-o", str(tmp_path / "a.png")])
     assert told.exit_code == 0
-    assert "words: 'belt', 'ear': in no legend and at no axis; there: close; far" in told.stderr
+    assert "words: 'belt', 'ear': in no legend and at no axis; there: near; far" in told.stderr
 
 
 @pytest.mark.parametrize("log", [False, "z"])
@@ -4801,6 +4802,22 @@ def test_figures_that_select_another_motion_are_not_drawn_of_this_one():
     ]
     one = data.history(labels=("near",)).expand_dims(v=[9.0]).assign_attrs(data.attributes(*asked))
     assert drawing.possible_figures(one) == asked[1:2]
+
+
+def test_an_end_that_is_an_edge_of_the_bracket_has_no_error_and_is_told():
+    """A branch may go on beyond: its edge, off by 0, stood as an end in a figure."""
+    found = data.response(np.full(4, "periodic"), np.ones(4), {"v": np.arange(4.0)})
+    kinds = np.array(["bracket", "grazing", "grazing", "grazing"])
+    found["cycle_highest"] = ("v", [16.0, 9.0, 8.0, 7.0], {"units": "m s-1"})
+    found["cycle_highest_error"] = ("v", [0.0, 0.1, 0.1, 0.1], {"units": "m s-1"})
+    found["cycle_highest_kind"] = data.flags(("v",), kinds, ("grazing", "bracket"))
+    drawn = draw(found, figure("curve", variable="cycle_highest"))
+    assert marks(drawn.axes[0], "_error not known").tolist() == [[0.0, 16.0]]
+    assert NOTES[drawn] == [
+        "cycle_highest: 1 of them an edge of the bracket, beyond which it may go on: widen it"
+    ]
+    told = "\n".join(summary_lines(summarise({"": found})))
+    assert "(at 1 of 4 the bracket's edge: it may go on beyond)" in told
 
 
 def test_words_of_ones_own_leave_the_names_of_files_as_they_were_given():

@@ -287,11 +287,14 @@ def _names_in(sources: Sources, figure: FigureSpec) -> list[str]:
 
 
 def _said(figure: Figure) -> list[str]:
-    """The words at the axes of a figure and in its legends."""
+    """The words at the axes of a figure and in its legends, before its own took their places."""
+    from fiv_cli.plots.style import before
+
     legends = [*figure.legends, *(one for ax in figure.axes if (one := ax.get_legend()))]
     texts = [text for legend in legends for text in legend.get_texts()]
     texts += [text for ax in figure.axes for text in (ax.title, ax.xaxis.label, ax.yaxis.label)]
-    return [*dict.fromkeys(" ".join(text.get_text().split()) for text in texts if text.get_text())]
+    told = (before(figure, text.get_text()) for text in texts if text.get_text())
+    return [*dict.fromkeys(" ".join(text.split()) for text in told)]
 
 
 def _unsaid(figure: Figure, names: Sequence[str]) -> list[str]:

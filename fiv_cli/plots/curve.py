@@ -948,7 +948,7 @@ def _of_edges(parts: Mapping[str, _Parts]) -> list[str]:
         for name, own in parts.items()
     }
     return [
-        f"{name}: {count} values are an edge of the bracket, beyond which it may go on: widen it"
+        f"{name}: {count} of them an edge of the bracket, beyond which it may go on: widen it"
         for name, count in counts.items()
         if count
     ]

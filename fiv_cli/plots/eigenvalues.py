@@ -61,7 +61,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         points.scale(ax, settings if ax is axes[0] else points.of_further_panels(settings))
         points.reach(ax, axis)
         _mark_mergers(ax, dataset, axis)
-    axes[0].axhline(0.0, color=style.BLACK, lw=0.8, label=DECORATION)
+    axes[0].axhline(
+        0.0, color=style.GREY, lw=0.8, zorder=1.8, label=DECORATION
+    )  # under growth of 0
     points.dress_axis(axes[1], axis, "x")
     points.mark_gaps(axes, layers, settings)
     points.legend(axes)

@@ -241,7 +241,11 @@ _CALLED: ContextVar[Mapping[str, str]] = ContextVar("_CALLED", default=MappingPr
 _MET: ContextVar[set[str] | None] = ContextVar("_MET", default=None)
 """What of it stood in some."""
 
+_BEFORE: ContextVar[dict[str, str] | None] = ContextVar("_BEFORE", default=None)
+"""Texts in words of the figure -> what they were."""
+
 _UNSAID: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
+_OWN_WORDS: WeakKeyDictionary[Figure, dict[str, str]] = WeakKeyDictionary()
 NOTES: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
 """What whoever asked for a figure should know, as what of it is not there; no part of it."""
 
@@ -265,7 +269,7 @@ def looks(
     look = look or SCREEN
     given, looking, writing = _GIVEN.set(axis), _LOOK.set(look), _WORDS.set(words)
     calling = _CALLED.set(called)
-    met = _MET.set(set())
+    met, before = _MET.set(set()), _BEFORE.set({})
     root = axis.figure.figure if axis else None
     beside = _OTHERS.set([one for one in root.axes if one is not axis] if root else ())
     try:
@@ -279,6 +283,7 @@ def looks(
         _WORDS.reset(writing)
         _CALLED.reset(calling)
         _MET.reset(met)
+        _BEFORE.reset(before)
         _OTHERS.reset(beside)
 
 
@@ -302,12 +307,20 @@ def worded(text: str) -> str:
     longest = "|".join(re.escape(form) for form in sorted(spelt, key=len, reverse=True))
     known = rf"(?<!\w)(?:{longest})(?!\w|\.\d)|\$[^$]*\$"
     met.update(spelt[one] for one in re.findall(known, text) if one in spelt)
-    return re.sub(known, lambda match: own.get(spelt.get(match[0], ""), match[0]), text)
+    found = re.sub(known, lambda match: own.get(spelt.get(match[0], ""), match[0]), text)
+    if (texts := _BEFORE.get()) is not None:
+        texts.setdefault(found, text)
+    return found
 
 
 def unsaid(figure: Figure) -> list[str]:
     """The words of one's own that a figure has no place for."""
     return _UNSAID.get(figure, [])
+
+
+def before(figure: Figure, text: str) -> str:
+    """A text of a figure as it was before words of one's own took the place of others."""
+    return _OWN_WORDS.get(figure, {}).get(text, text)
 
 
 def own_axes(figure: Figure) -> list[Axes]:
@@ -551,6 +564,7 @@ def finish(figure: Figure) -> None:
     for artist in itertools.chain.from_iterable([*ax.lines, *ax.collections] for ax in own):
         name = str(artist.get_label()).removeprefix("_")  # which hides it from legends, not tables
         artist.set_label(str(artist.get_label()).replace(name, worded(name)))
+    _OWN_WORDS[figure] = dict(_BEFORE.get() or {})
     wanted = [word for word, own in (_WORDS.get() or {}).items() if word != own]
     _UNSAID[figure] = [word for word in wanted if word not in (_MET.get() or ())]
 
