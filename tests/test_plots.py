@@ -1556,7 +1556,7 @@ def test_marks_leave_room_for_dashes_that_tell_contacts_apart(points, marker):
     few = over_preloads().isel(Omega=slice(points))
     drawn = draw(few, figure("curve", variable="stick_fraction"), look=look_of("paper", width=84.0))
     assert {*looks_of(drawn.axes[0], "marker").values()} == {marker}
-    one = few.isel(contact=[0])
+    one = few.isel(contact=[0], N0=[0, 1])  # two lines, of two colours
     drawn = draw(one, figure("curve", variable="stick_fraction"), look=look_of("paper", width=84.0))
     assert {*looks_of(drawn.axes[0], "marker").values()} == {"."}
 

@@ -291,13 +291,16 @@ def _told_by_dashes(drawn: Sequence[tuple[int, _Curve]], bare: Sequence[int]) ->
     """The dim whose words dashes tell, and colours those of all others; "" where none is.
 
     It leaves fewer entries than lines; better one that not all panels have, and of few values. In
-    `bare` panels, and among members of random starts, no dashes are seen.
+    `bare` panels, and among members of random starts, no dashes are seen; beside branches they tell
+    what is stable.
     """
+    if any(one.sort for _, one in drawn):
+        return ""
     names, fit = {points.stem(one.label) for _, one in drawn}, {}
     for dim in dict.fromkeys(chain(*(one.words for _, one in drawn))):
         told = [(place, one) for place, one in drawn if one.words.get(dim)]
         panels = {place for place, _ in told}
-        unseen = any(place in bare or one.is_random or one.sort for place, one in told)
+        unseen = any(place in bare or one.is_random for place, one in told)
         mixed = any(place in panels and not one.words.get(dim) for place, one in drawn)
         sorts = {one.words[dim] for _, one in told}
         count = len(sorts) + len({points.stem(one.without(dim)) for _, one in drawn})
@@ -375,8 +378,9 @@ def _panel(
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
     crowd = max((np.isfinite(c.y).sum() for c, _ in lines if not c.of_crossings), default=0)
     looks = {(entry.colour, str(entry.dash)) for _, entry in lines}
-    if len(looks) > len({colour for colour, _ in looks}):  # dashes tell what colours do not
-        crowd *= TO_SEE_DASHES
+    dashes = {dash for _, dash in looks}
+    if len(looks) > len({colour for colour, _ in looks}) or len(dashes) > 2:
+        crowd *= TO_SEE_DASHES  # which tell what colours do not, or many lines that may meet
     for place, (curve, entry) in enumerate(lines):
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
         # lines of classes lie on one another: each is moved a little
