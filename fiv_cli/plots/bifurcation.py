@@ -606,8 +606,7 @@ def _draw_cycles(
                 ax.plot([], [], color=style.BLACK, label=told, **look)
             for height in heights:
                 smooth.draw(ax, x, height, points.unlisted(place, told), color=colour, **look)
-                known = np.pad(np.isfinite(height), 1)
-                alone = known[1:-1] & ~known[:-2] & ~known[2:]  # no line leads there
+                alone = points.alone(np.isfinite(height))  # no line leads there
                 fill = colour if word == "stable" else "none"
                 dot: dict[str, Any] = {"marker": "o", "ms": 2.5, "mfc": fill, "ls": "none"}
                 ax.plot(x[alone], height[alone], color=colour, label=DECORATION, **dot)

@@ -447,9 +447,7 @@ def _frame_hidden(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[
 
     It is the wider the more of these there are.
     """
-    known = np.isfinite(curve.y) & ~curve.is_wide
-    beside = np.pad(known, 1)
-    alone = known & ~beside[:-2] & ~beside[2:]
+    alone = points.alone(np.isfinite(curve.y) & ~curve.is_wide)
     x, y = curve.x[alone], curve.y[alone]
     count = np.zeros(x.size, int)
     for other in later if x.size else []:
@@ -533,8 +531,7 @@ def _marked_where_seen(ax: Axes, heights: np.ndarray, most: int) -> dict[str, An
     known, room = np.isfinite(heights), ACROSS * ax.figure.figure.get_figwidth() * style.POINTS
     if max(most, np.count_nonzero(known)) * DOT["ms"] < room:
         return {}
-    beside = np.pad(known, 1)
-    alone = np.flatnonzero(known & ~beside[:-2] & ~beside[2:]).tolist()
+    alone = np.flatnonzero(points.alone(known)).tolist()
     return {"markevery": alone} if alone else {"marker": "None"}
 
 

@@ -114,8 +114,7 @@ def _mark(
         ax.plot(x[marked], y[marked], label=DECORATION, **look)
     else:
         shown = np.where(unstable, y, np.nan)
-        known = np.isfinite(np.pad(shown, 1, constant_values=np.nan))
-        alone = np.flatnonzero(known[1:-1] & ~known[:-2] & ~known[2:])  # no line reaches over it
+        alone = np.flatnonzero(points.alone(np.isfinite(shown)))
         ax.plot(x, shown, markevery=alone.tolist(), label=DECORATION, **look)
 
 

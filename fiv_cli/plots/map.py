@@ -144,7 +144,7 @@ class _Planes:
         They are stacks (`levels`) of one part or, `apart`, of what rests and of all else.
         """
         ends, rests = levels.planes_of(self.dataset, self.array), self.rests
-        parts = [rests, ~rests] if apart else [self.computed | ~self.computed]
+        parts = [rests, ~rests] if apart else [rests | True]
         return [
             np.stack([self.of(numbers(end).where(self.settled & part), panel) for part in parts])
             for end in ends

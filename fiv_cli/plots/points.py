@@ -504,6 +504,12 @@ def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {name: mask & selected for name, mask in kinds.items() if bool((mask & selected).any())}
 
 
+def alone(known: np.ndarray) -> np.ndarray:
+    """Which points of a line are known, and neither of their neighbours: no line leads there."""
+    beside = np.pad(known, 1)
+    return np.asarray(known & ~beside[:-2] & ~beside[2:])
+
+
 def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
     """UsageError where there is not anything to draw: says why.
 
