@@ -246,7 +246,7 @@ def _of_files(
     """
     from fiv_cli.plots import nothing_suits
     from fiv_cli.plots.drawn import in_one_line
-    from fiv_cli.plots.style import NOTES
+    from fiv_cli.plots.style import notes_on
     from fiv_cli.plots.style import unsaid as words_without_place
     from fiv_cli.reading.datasets import read_analyses
 
@@ -256,7 +256,7 @@ def _of_files(
             drawn.append((default, _drawn(sources, figure, look)))
             for name in _unsaid(drawn[-1][1], _names_in(sources, figure)):
                 click.echo(f"--label {name}: not in the figure {figure.name}{OWN_NAMES}", err=True)
-            for note in NOTES.get(drawn[-1][1], []):
+            for note in notes_on(drawn[-1][1]):
                 click.echo(f"figure {figure.name}: {in_one_line(note)}", err=True)
             if unsaid := words_without_place(drawn[-1][1]):
                 told = f"figure {figure.name}: words: {', '.join(map(repr, unsaid))}"
@@ -293,8 +293,7 @@ def _said(figure: Figure) -> list[str]:
     legends = [*figure.legends, *(one for ax in figure.axes if (one := ax.get_legend()))]
     texts = [text for legend in legends for text in legend.get_texts()]
     texts += [text for ax in figure.axes for text in (ax.title, ax.xaxis.label, ax.yaxis.label)]
-    told = (before(figure, text.get_text()) for text in texts if text.get_text())
-    return [*dict.fromkeys(" ".join(text.split()) for text in told)]
+    return [*dict.fromkeys(before(figure, text.get_text()) for text in texts if text.get_text())]
 
 
 def _unsaid(figure: Figure, names: Sequence[str]) -> list[str]:

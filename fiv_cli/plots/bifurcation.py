@@ -109,7 +109,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", words))
     others_at = _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
-    style.NOTES[figure] = _of_other_sections(others_at, axis, observed)
+    style.add_notes(figure, _of_other_sections(others_at, axis, observed))
     if not clouds[0].label and (style.told_in([ax])[1] or points.gaps(first)):  # a legend anyway
         ax.lines[before].set_label(_start_of(first))
     points.dress([ax], shown, settings)
@@ -854,8 +854,10 @@ def _cycles(
             stretches = branch.stretches(dataset, line.index, at_section=at_section)
             yield from ((dataset.isel(line.index), stretch) for stretch in stretches)
     elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
+        if not dataset.coords[str(axis.name)].ndim:
+            dataset = dataset.expand_dims(str(axis.name))
         own = dataset.coords[str(axis.name)]
-        x, dim = points.positions(own), str((own if own.ndim else axis).dims[0])
+        x, dim = points.positions(own), str(own.dims[0])
         extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
         heights = [*_at_section(dataset)] if at_section else extremes
         lines = [*points.lines(dataset, [dim], points.grid_dims(dataset))]
@@ -863,11 +865,13 @@ def _cycles(
             before: list[tuple[dict[str, int], np.ndarray]] = []
             for line in lines:
                 mask = is_class(dataset["stable"], (word,)).isel(line.index)
+                if not mask.any():
+                    continue
                 every = np.array([one.isel(line.index).where(mask).values for one in heights])
                 place = {name: at for name, at in line.index.items() if name != "initial"}
                 shown = _not_again(every, [one for there, one in before if there == place])
-                before.append((place, every))
                 if np.isfinite(shown).any():
+                    before.append((place, every))
                     yield dataset.isel(line.index), branch.Stretch(word, x, [*shown], at_section)
 
 

@@ -127,7 +127,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             ax.plot([], [], color=style.BLACK, label=max(told, key=len), **ERROR_BAR)
     gaps = "undecided" if names == ["attractor"] else ""
     points.dress(axes, _with_gaps(along), settings, gaps)
-    style.NOTES[figure] = _of_edges(parts)
+    style.add_notes(figure, _of_edges(parts))
     return figure
 
 
@@ -380,7 +380,7 @@ def _panel(
     looks = {(entry.colour, str(entry.dash)) for _, entry in lines}
     dashes = {dash for _, dash in looks}
     if len(looks) > len({colour for colour, _ in looks}) or len(dashes) > 2:
-        crowd *= TO_SEE_DASHES  # which tell what colours do not, or many lines that may meet
+        crowd *= TO_SEE_DASHES  # which tell what colours do not, or are of more than two sorts
     for place, (curve, entry) in enumerate(lines):
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
         # lines of classes lie on one another: each is moved a little
@@ -939,7 +939,7 @@ def _errors(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
 def _is_edge(dataset: xr.Dataset, name: str) -> xr.DataArray:
     """Where the end of a branch is an edge of its bracket, beyond which it may go on."""
     kind = f"{name}_kind"
-    return is_class(dataset[kind], ("bracket",)) if kind in dataset else dataset["status"] < 0
+    return is_class(dataset.get(kind, dataset[name] * np.nan), ("bracket",))
 
 
 def _of_edges(parts: Mapping[str, _Parts]) -> list[str]:

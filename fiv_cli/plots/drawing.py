@@ -11,7 +11,7 @@ import numpy as np
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.errors import UsageError
-from fiv_cli.flags import MOTION_OF_A_CYCLE
+from fiv_cli.flags import MOTION_OF_A_CYCLE, NOT_COMPUTED
 from fiv_cli.notation.names import listed, pick
 from fiv_cli.plots import (
     basin,
@@ -32,7 +32,7 @@ from fiv_cli.plots import map as map_
 from fiv_cli.plots.labels import name_of, title_of, value_label
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
-from fiv_cli.reading.datasets import analysis_of, figures_in, read_analyses
+from fiv_cli.reading.datasets import analysis_of, figures_in, is_class, read_analyses
 from fiv_cli.reading.lent import lent
 
 if TYPE_CHECKING:
@@ -351,12 +351,13 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
 def _of_classes(part: xr.Dataset, results: Mapping[str, Any]) -> xr.Dataset:
     """The part with the numbers alone that stand where results have the classes that are wanted.
 
-    Points of other classes, such as undecided ones, are no gaps of it.
+    Points of other classes, undecided ones among them, are no gaps of it; those without one are.
     """
     for name, wanted in results.items():
         mask = select.having(part[name], wanted)
         if {*mask.dims} <= {*part["status"].dims}:
-            part = part.assign({points.NOT_SELECTED: part.get(points.NOT_SELECTED, False) | ~mask})
+            others = ~mask & ~is_class(part[name], (NOT_COMPUTED,))
+            part = part.assign({points.NOT_SELECTED: part.get(points.NOT_SELECTED, False) | others})
         held = [v for v in part.data_vars if {*mask.dims} <= {*part[v].dims}]
         numbers = [v for v in held if part[v].dtype.kind == "f"]
         part = part.assign({v: part[v].where(mask).assign_attrs(part[v].attrs) for v in numbers})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -94,13 +93,9 @@ def shared_label(variables: Sequence[xr.DataArray]) -> str:
 
 
 def _begun_alike(names: Sequence[str]) -> str:
-    """The words with which all begin, of which there are to be two: ``share of time``."""
-    alike = itertools.takewhile(
-        lambda words: len({*words}) == 1, zip(*map(str.split, names), strict=False)
-    )
-    words = " ".join(one for one, *_ in alike)
-    words = re.sub(r"( (of|in|at|the))+$", "", words)
-    return words if " " in words else ""
+    """The words before the last "in" with which all begin: ``share of time``; "" without any."""
+    begun = {name.rpartition(" in ")[0] for name in names}
+    return begun.pop() if len(begun) == 1 else ""
 
 
 def quantity(variable: xr.DataArray, name: str) -> str:

@@ -38,7 +38,7 @@ ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 # far, from best to least; where that leaves no room, a line of another level that is still nearer
 # is one with it.
 CLEAR, ALIKE = (2.0, 1.4, 1.0), (0.4,)
-MOST_WRITTEN = 4  # times a level: on its longest lines, not on each of many islands
+MOST_WRITTEN = 4  # times each of several levels: on its longest lines, not on each island
 WIDEST = 0.16  # of a panel: levels that take more hide what they name, and the legend tells them
 TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
 MOST_PLACES, MOST_ELSEWHERE = 300, 5000
@@ -135,7 +135,7 @@ def _as_along(
     known = {
         name: one.where(is_there, other=np.nan)
         for name, one in taken.items()
-        if dim in one.dims and one.dtype.kind == "f"  # no counts, which lead to rows
+        if dim in one.dims and "sample_dimension" not in one.attrs  # which lead to rows
     }
     return taken.assign(known).assign_coords({str(axis.name): axis.variable for axis in axes})
 

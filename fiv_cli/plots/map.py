@@ -76,7 +76,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )
-    style.NOTES[figure] = missed
+    style.add_notes(figure, missed)
     is_class = bool(flag_names(planes.array.attrs))
     colours = [_colour(one, is_class) for one in lines]
     keys = [key for one, colour in zip(lines, colours, strict=True) for key in one.keys(colour)]
@@ -174,14 +174,15 @@ class _Lines:
         return [*map(self._ends, self.planes.panels)]
 
     def _ends(self, panel: points.Line) -> Panel:
-        """Those of one. The level next to what rests is the border of a region, which may be a
-        jump; no other line leads along one from rest."""
+        """Those of one. The levels next to what rests, to either side, are borders of regions,
+        which may be jumps; no other line leads along one from rest."""
         whole, apart = (self.planes.ends(panel, apart=one) for one in (False, True))
         at_rest = apart[0][0]
         if not np.isfinite(at_rest).any():
             return [whole] * len(self.levels)
-        off = np.abs(np.subtract(self.levels, np.nanmedian(at_rest)))
-        return [whole if one == off.min() else apart for one in off]
+        off = np.subtract(self.levels, np.nanmedian(at_rest))
+        beside = {off[off >= 0.0].min(initial=np.inf), off[off <= 0.0].max(initial=-np.inf)}
+        return [whole if one in beside else apart for one in off.tolist()]
 
     @property
     def missed(self) -> list[str]:

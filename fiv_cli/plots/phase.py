@@ -33,9 +33,10 @@ ROOM, TURN, PLACES = 0.06, 4.0, 300
 CLEAR = 0.1  # of the extent: a start as near as that would be hidden
 MARKERS = "osD^vphX"
 MARK: dict[str, Any] = {"ms": 5, "mfc": "none", "color": style.BLACK, "ls": "none"}
-# A path retraces itself where, having been so far away, it comes so close again, and most of it
-# does, at as many instants; in shares of its extent.
-AWAY, BACK, MOST, LAGS = 0.1, 1e-3, 0.998, 20_000
+# A path retraces itself where, having been AWAY, it comes BACK to its start, in shares of its
+# extent, and so does this share of its instants, of so many.
+AWAY, BACK = 0.1, 1e-3
+MOST, INSTANTS = 0.998, 20_000
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
@@ -151,13 +152,16 @@ class _Path:
         """The instant from which on it retraces itself, so that dashes would fill their gaps."""
         if self.is_coarse:
             return np.inf
-        even = np.linspace(self.time[0], self.time[-1], LAGS)
+        even = np.linspace(self.time[0], self.time[-1], INSTANTS)
         places = np.column_stack([np.interp(even, self.time, own) for own in self.points.T])
         places /= np.maximum(np.ptp(places, axis=0), np.finfo(float).tiny)
         off = abs(places - places[0]).max(axis=1)
         left = int(np.argmax(off > AWAY))
-        for lag in left + np.flatnonzero(off[left:] < BACK):
-            if left and np.quantile(abs(places[lag:] - places[:-lag]).max(axis=1), MOST) < BACK:
+        near = (off < BACK) & (np.arange(INSTANTS) > left) & (left > 0)
+        visits = np.split(np.arange(INSTANTS), np.flatnonzero(np.diff(near)) + 1)
+        for visit in (one for one in visits if near[one[0]]):
+            lag = int(visit[off[visit].argmin()])
+            if np.quantile(abs(places[lag:] - places[:-lag]).max(axis=1), MOST) < BACK:
                 return float(even[lag])
         return np.inf
 

@@ -246,8 +246,7 @@ _BEFORE: ContextVar[dict[str, str] | None] = ContextVar("_BEFORE", default=None)
 
 _UNSAID: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
 _OWN_WORDS: WeakKeyDictionary[Figure, dict[str, str]] = WeakKeyDictionary()
-NOTES: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
-"""What whoever asked for a figure should know, as what of it is not there; no part of it."""
+_NOTES: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
 
 
 _OTHERS: ContextVar[Sequence[Axes]] = ContextVar("_OTHERS", default=())
@@ -309,7 +308,7 @@ def worded(text: str) -> str:
     met.update(spelt[one] for one in re.findall(known, text) if one in spelt)
     found = re.sub(known, lambda match: own.get(spelt.get(match[0], ""), match[0]), text)
     if (texts := _BEFORE.get()) is not None:
-        texts.setdefault(found, text)
+        texts.setdefault(" ".join(found.split()), text)
     return found
 
 
@@ -318,9 +317,20 @@ def unsaid(figure: Figure) -> list[str]:
     return _UNSAID.get(figure, [])
 
 
+def add_notes(figure: Figure, notes: Sequence[str]) -> None:
+    """What whoever asked for a figure should know, as what of it is not there; no part of it."""
+    _NOTES.setdefault(figure, []).extend(notes)
+
+
+def notes_on(figure: Figure) -> list[str]:
+    """All that was added of a figure."""
+    return _NOTES.get(figure, [])
+
+
 def before(figure: Figure, text: str) -> str:
-    """A text of a figure as it was before words of one's own took the place of others."""
-    return _OWN_WORDS.get(figure, {}).get(text, text)
+    """A text of a figure, in one line, before words of one's own took the place of others."""
+    words = " ".join(text.split())
+    return " ".join(_OWN_WORDS.get(figure, {}).get(words, words).split())
 
 
 def own_axes(figure: Figure) -> list[Axes]:
