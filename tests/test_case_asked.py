@@ -257,6 +257,16 @@ def test_what_will_be_there(text: str) -> None:
             "9 lines in one map",
         ),
         (plane("level = { growth_rate = [] }"), "figure.0.level", "not an empty list"),
+        (
+            figure(
+                'kind = "curve"',
+                'x = "v"',
+                "select = { v = 99 }",
+                'take = { what = "share", of = "periodic", over = "initial" }',
+            ),
+            "figure.0.select.v",
+            "99 is not on the axis v",
+        ),
         (figure('kind = "curve"', "contact = 2"), "figure.0.contact", "has no contact"),
         (figure('kind = "curve"', "window = [0, 1]"), "figure.0.window", "has no window"),
         (figure('kind = "curve"', 'log = "y"', "ylim = [-1, 1]"), "figure.0.ylim", "above 0"),

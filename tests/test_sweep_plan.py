@@ -349,3 +349,16 @@ def test_values_that_never_meet_are_not_compared(zipped: str, told: int) -> None
     text += f"[grid]\nmu_k = [0.2, 0.4]\nmu_s = [0.26, 0.52]\n[sweep]\n{zipped}\n"
     lines = make_plan(sweep_fakes.case(text + '[[analysis]]\nkind = "eigenvalues"\n')).describe()
     assert sum("mu_k = 0.4 is above mu_s = 0.26" in line for line in lines) == told
+
+
+@pytest.mark.parametrize(("kinetic", "told"), [([0.4, 0.2], 0), ([0.2, 0.4], 1)])
+def test_values_of_a_law_that_advances_with_them_are_its_own(
+    kinetic: list[float], told: int
+) -> None:
+    """What coulomb takes says nothing of stribeck."""
+    text = (
+        'schema = 1\n[model]\nname = "flutter-2dof"\n[grid]\nfriction = ["coulomb", "stribeck"]\n'
+    )
+    text += f"mu_k = {kinetic}\nmu_s = [0.3, 0.3]\n[sweep]\nzip = [['friction', 'mu_k', 'mu_s']]\n"
+    lines = make_plan(sweep_fakes.case(text + '[[analysis]]\nkind = "eigenvalues"\n')).describe()
+    assert sum("mu_k = 0.4 is above mu_s = 0.3: under stribeck" in line for line in lines) == told

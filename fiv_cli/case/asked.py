@@ -115,7 +115,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         _check_drawn(figure, name, known, places, (*place, key), report)
         if figure.kind in ("curve", "map") and "take" not in figure.settings:
             _refuse_motion(figure.kind, name, held, (*place, key), report)
-    first = [SHOWN[figure.kind]] if figure.kind in SHOWN else _mapped(figure, held, ())
+    unsaid = [] if "take" in figure.settings else _mapped(figure, held, ())
+    first = [SHOWN[figure.kind]] if figure.kind in SHOWN else unsaid
     drawn = next(iter((*sound, *names, *first, "status")))
     places = _places(case, held, analysis, drawn)
     of_lines = _check_levels(figure, case, held, names, (*place, "level"), report)

@@ -136,7 +136,7 @@ def _is(value: Any, wanted: Any, numeric: bool) -> bool:
 def _holds(value: float, test: Test) -> bool:
     sign, bound = test
     if _is(value, bound, True):
-        return "=" in sign and sign != "!="
+        return sign in ("<=", ">=", "==")
     return (value < bound and "<" in sign) or (value > bound and ">" in sign) or sign == "!="
 
 

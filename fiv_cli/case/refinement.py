@@ -61,14 +61,14 @@ def _halved(axis: Candidate, levels: int, report: Report) -> Candidate:
         if isinstance(written, list) and written:
             written = span_of_list([exact(check_quantity(value), unit) for value in written])
         if isinstance(written, Span) and written.start > written.stop:
-            raise AxisError("its values do not rise")
+            raise AxisError("its values do not rise evenly")
         if isinstance(written, Span):
             return replace(axis, written=written.halved(levels))
     except AxisError as error:
         report.add(
             axis.place,
             f"cannot be halved: {error}",
-            "{ start, stop, num } or an evenly spaced list",
+            "{ start, stop, num }, or an evenly spaced list, that rises",
             'or name the axes to halve: refine = { ..., along = ["..."] }',
         )
     except ValueError:

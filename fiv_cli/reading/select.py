@@ -54,7 +54,7 @@ def condition(text: str) -> Callable[[np.ndarray], np.ndarray] | None:
 
 def _holds(values: np.ndarray, sign: str, bound: float) -> np.ndarray:
     equal = np.isclose(values, bound, rtol=SAME, atol=0.0)
-    return np.where(equal, "=" in sign and sign != "!=", _COMPARE[sign](values, bound))
+    return np.where(equal, sign in ("<=", ">=", "=="), _COMPARE[sign](values, bound))
 
 
 def axis_of(dataset: xr.Dataset, name: str) -> xr.DataArray:

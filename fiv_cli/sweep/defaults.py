@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from itertools import compress
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.case.assumed import assumed_of_contacts
@@ -96,10 +97,14 @@ def _rising(case: Case) -> Iterator[str]:
 def _met(case: Case, law: str) -> list[tuple[float, float]]:
     """Values of mu_k and mu_s that stand together: of axes that do not advance so the extremes."""
     names = ("mu_k", "mu_s")
-    kinetic, static = (_values(case, law, name) for name in names)
-    groups = ({one.removeprefix(f"{law}.") for one in group} for group in case.zips)
-    if any(group.issuperset(names) for group in groups):
-        return [*zip(kinetic, static, strict=True)]
+    of = {name: _values(case, law, name) for name in names}
+    for group in map(set, case.zips):
+        if "friction" in group:
+            is_own = [one == law for one in case.axis("friction").values]
+            of |= {name: [*compress(of[name], is_own)] for name in group.intersection(names)}
+        if group.issuperset(names):
+            return [*zip(*of.values(), strict=True)]
+    kinetic, static = of.values()
     return [(max(kinetic), min(static))] if kinetic and static else []
 
 
