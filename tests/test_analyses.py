@@ -82,11 +82,18 @@ def test_an_undamped_slide_is_neutral() -> None:
     assert found.values["L_s"] == pytest.approx(0.3**2 / 2, rel=1e-8)
 
 
-@pytest.mark.parametrize(("friction", "lands_again"), [(0.2, True), (0.35, False), (0.36, True)])
+@pytest.mark.parametrize(
+    ("friction", "lands_again", "least"),
+    [(0.2, True, 0.98), (0.35, False, 0.995), (0.36, True, 0.995)],
+)
 def test_an_undamped_slide_is_neutral_if_it_never_lands_again(
-    friction: float, lands_again: bool
+    friction: float, lands_again: bool, least: float
 ) -> None:
-    """Landings come ever more seldom, at 0.2 after 19,000 s: two frequencies come together."""
+    """Landings come ever more seldom, at 0.2 after 19,000 s: two frequencies come together.
+
+    What is measured over a beat falls short of what is reached in ever so long by as much as few
+    cycles of it miss where both are at their greatest: at 0.2 the beat is the shortest.
+    """
     parameters = {"k1": 1.0, "k2": 1.0, "k3": 4.0 / 3.0, "alpha1": np.pi / 4.0, "alpha2": 0.0}
     parameters |= {"v": 0.5, "mu_k": friction, "c1": 0.0, "c2": 0.0}
     asked = {
@@ -107,8 +114,8 @@ def test_an_undamped_slide_is_neutral_if_it_never_lands_again(
         if not goes_on:
             after = motion.values["x"][np.arange(len(motion.values["x"])) * 0.5 > last]
             extent = found.values["x_max"] - found.values["x_min"]  # over a beat
-            assert 0.98 * np.ptp(after) < extent < 1.001 * np.ptp(after)
-            assert found.values["separation_fraction"] == 0.0
+            assert least * np.ptp(after) < extent < 1.001 * np.ptp(after)
+            assert found.values["separation_fraction"] == 0.0 and found.values["y_max"] < 0.0
 
 
 def test_a_quasiperiodic_response() -> None:

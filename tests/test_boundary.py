@@ -327,6 +327,7 @@ def test_where_one_of_several_contacts_no_longer_sticks(
         ({"variable": "stick_fraction", "contact": 3}, "contact", "1 to 2"),
         ({"variable": "L_s", "contact": 1}, "contact", "no contact, or of stick_fraction"),
         ({"contact": 1, "expect": "periodic"}, "contact", "no contact"),
+        ({"variable": "stik_fraction", "contact": 1}, "variable", "L_s"),
     ],
 )
 def test_a_number_of_each_contact_is_that_of_one(

@@ -654,18 +654,18 @@ def _check_number(question: Question, known: Known) -> Iterator[Refusal]:
     """A variable of the model, and a contact where each has a number of its own."""
     name, number, every = question.variable, question.contact, known.model.contacts
     numbers, of_contacts = known.numbers(), known.numbers("contact")
-    if name in of_contacts and number is None:
+    if name not in (*numbers, *of_contacts):
+        message = f"{name!r} is not one number at each point"
+        yield unknown(message, name, [*numbers, *of_contacts], "variable")
+    elif name in of_contacts and number is None:
         one = f"contact = 1, or another up to {every}"
         yield Refusal(f"{name!r} has a number for each contact", one, place=("variable",))
     elif name in of_contacts and number is not None and number > every:
         yield Refusal(f"there is no contact {number}", f"1 to {every}", place=("contact",))
-    elif name not in of_contacts and number is not None:
+    elif name in numbers and number is not None:
         message = f"{name!r} has no number for each contact"
         others = f", or of {listed([*of_contacts])}" * bool(of_contacts)
         yield Refusal(message, f"no contact{others}", place=("contact",))
-    elif name not in (*numbers, *of_contacts):
-        message = f"{name!r} is not one number at each point"
-        yield unknown(message, name, [*numbers, *of_contacts], "variable")
 
 
 @dataclass(frozen=True)

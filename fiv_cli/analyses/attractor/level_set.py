@@ -212,8 +212,8 @@ def undamped_level(
 ) -> NDArray[np.float64]:
     """V over c of slides whose modes neither grow nor decay, in rows.
 
-    Below 1 such a slide meets no switching surface, ever; above it does, since its modes come
-    together sooner or later.
+    Below 1 such a slide meets no switching surface, ever; above it may, and sooner or later does
+    where its frequencies have no common period.
 
     Parameters
     ----------

@@ -486,7 +486,7 @@ class _Response:
     def _neutral(self) -> Outcome | None:
         """Undamped sliding: what is found depends on the start, so it is no attractor.
 
-        It is measured over a beat of its frequencies. None: it slides for a while only.
+        It is measured over a beat of its frequencies. None: it may slide for a while only.
         """
         if self._is_sliding() and self.rests.undamped_level(self.motion.y) > 1.0 + UPON:
             return None
