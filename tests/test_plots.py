@@ -2014,7 +2014,7 @@ def test_eight_sorts_of_points_have_marks_that_are_told_apart():
     assert len(looks) == 8
 
 
-@pytest.mark.parametrize(("most", "shades"), [(3, 4), (40, 256)])
+@pytest.mark.parametrize(("most", "shades"), [(3, 4), (40, 256), (10**12, 256)])
 def test_counts_have_a_shade_each_where_they_are_few(most, shades):
     dataset = data.stability_map()
     dataset["n_solutions"] = (dataset["L_s"] / dataset["L_s"].max() * most).round()

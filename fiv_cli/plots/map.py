@@ -460,9 +460,8 @@ def _paint_numbers(
     settled = values.where(planes.settled | ~planes.computed).values
     settled = settled[np.isfinite(settled)]  # others stretch no shades
     low, high = shades or _ends(settled if settled.size else known, logarithmic)
-    counts = np.arange(low, high + 1.0)
     whole = is_count(str(planes.array.name)) and bool((known == known.round()).all())
-    counted = whole and len(counts) <= MOST_COUNTS and not logarithmic
+    counted = whole and high - low < MOST_COUNTS and not logarithmic
     norm = _norm(low, high, logarithmic=logarithmic, counted=counted)
     least = 0.0 if logarithmic and low > 0.0 else -np.inf  # a logarithm paints no zero
     colours = colormaps["cividis"].with_extremes(under=BELOW)
@@ -476,7 +475,7 @@ def _paint_numbers(
     figure.colorbar(
         image, ax=list(axes), label=points.joined(labels.axis_label(planes.array), of_several),
         extend=EXTENDED[bool((known < low).any()), bool((known > high).any())],
-        ticks=counts if counted else None,
+        ticks=np.arange(low, high + 1.0) if counted else None,
     )  # fmt: skip
     if (known <= least).any():
         own = labels.quantity(planes.array, str(planes.array.name))
