@@ -184,8 +184,8 @@ def test_marks_of_gaps_stand_below_all_points_a_row_for_each_line_of_each_datase
     assert len(set(heights)) == len(heights) == 4
     low, high = ax.get_ylim()
     assert max(heights) < (ax.dataLim.y0 - low) / (high - low)
-    limited = draw(dataset, figure("curve", variable="L_s", ylim=[0, 1]))
-    assert limited.axes[0].get_ylim() == (0, 1)
+    limited = draw(dataset, figure("curve", variable="L_s", ylim=[-0.5, 1]))
+    assert limited.axes[0].get_ylim() == (-0.5, 1)  # no line leads where the marks are
 
 
 def test_lines_that_would_hide_one_another_are_one_with_the_name_of_all():
@@ -244,6 +244,23 @@ def test_marks_of_gaps_stand_on_a_strip_below_what_has_a_value(log):
     values = [line.get_xydata() for line in ax.lines if line.get_transform() == ax.transData]
     pixels = ax.transData.transform(np.concatenate([one[one[:, 1] > 0.0] for one in values]))
     assert (ax.transAxes.inverted().transform(pixels)[:, 1] > top).all()
+    ticks = ax.transData.transform([(1.0, tick) for tick in ax.get_yticks()])
+    assert (ax.transAxes.inverted().transform(ticks)[:, 1] >= top - 1e-5).all()
+
+
+@pytest.mark.parametrize("log", [False, "y"])
+def test_the_strip_of_gaps_lies_below_a_limit_and_over_what_is_below_it(log):
+    dataset = data.bifurcation()
+    low, high = 0.3 * float(dataset["L_s"].max()), float(dataset["L_s"].max())
+    asked = figure("curve", variable="L_s", log=log, ylim=(low, high))
+    (ax,) = draw(dataset, asked).axes
+    (strip,) = (one for one in ax.patches if to_hex(one.get_facecolor()) == to_hex(points.STRIP))
+    at = ax.transAxes.inverted().transform(ax.transData.transform([(1.0, low), (1.0, high)]))
+    assert at[:, 1] == pytest.approx([strip.get_height(), 1.0])
+    marked = [line for line in ax.lines if line.get_transform() == ax.get_xaxis_transform()]
+    others = [line for line in ax.lines if line not in marked]
+    assert all(line.get_zorder() > strip.get_zorder() for line in marked)
+    assert all(line.get_zorder() < strip.get_zorder() for line in others)
 
 
 def test_of_many_lines_those_few_that_have_gaps_are_named():
@@ -655,6 +672,25 @@ def test_points_at_rest_of_a_dense_diagram_have_few_marks():
     (ax,) = drawn.axes
     marks = {line.get_marker(): len(line.get_xdata()) for line in ax.lines if line.get_xdata().size}
     assert 10 < max(marks["o"], marks["+"]) <= 25
+
+
+@pytest.mark.parametrize("log", [False, "x"])
+def test_marks_of_a_dense_diagram_are_as_far_apart_in_a_short_stretch(log):
+    """Of 900 speeds one start rests from the 500th to the 560th: its marks were a bar there."""
+    rows = [[0.01 * n] if far or not 500 <= n < 560 else [] for n in range(900) for far in (0, 1)]
+    classes = np.where([len(row) > 0 for row in rows], "periodic", "equilibrium")
+    rest = ("Omega", "initial"), np.tile([0.02, 0.03], (900, 1)), {"units": "rad"}
+    asked = figure("bifurcation", log=log)
+    (ax,) = draw(dense(rows, classes).assign(phi_max=rest), asked).axes
+    some = [line for line in ax.lines if len(line.get_xdata()) and line.get_marker() in "o+"]
+    way = ax.transAxes.inverted().transform(
+        ax.transData.transform(np.concatenate([line.get_xydata() for line in some]))
+    )
+    short = way[np.isclose(np.concatenate([line.get_ydata() for line in some]), 0.02)]
+    assert 0 < len(short) <= 2
+    for line in some:
+        along = ax.transAxes.inverted().transform(ax.transData.transform(line.get_xydata()))
+        assert (np.diff(np.sort(along[:, 0])) > 0.9 / 25).all()
 
 
 def test_the_key_of_what_only_crowds_is_a_dot_in_a_dense_diagram_too():
@@ -1370,7 +1406,8 @@ def test_a_line_stands_where_the_section_that_motions_choose_changes():
     (ax,) = draw(other, figure("bifurcation")).axes
     assert marks(ax, "another section")[:, 0].tolist() == pytest.approx([2.95, 2.95])
     (note,) = style.notes_on(ax.figure)
-    assert "changes at Omega = 2.95, and" in note and 'section = { zero = "phi_dot" }' in note
+    assert "changes at Omega = 2.95, and" in note
+    assert 'section = { zero = "phi_dot" }' in in_one_line(note)  # as it is told
 
 
 def with_x_rms(unit):
@@ -1597,7 +1634,7 @@ def test_a_line_without_value_and_lines_of_all_have_entries_beside_colours_and_d
     [
         ((10.0, 20.0), ("a", "b"), {"variable": "L_s"}, 4),  # no fewer by colour and dash
         ((10.0, 20.0, 30.0), ("a-001", "b-001"), {"variable": "L_s"}, 6),  # nor is a line drawn
-        ((10.0, 20.0, 30.0), ("a", "b"), {"variable": "attractor"}, 6),
+        ((10.0, 20.0, 30.0), ("a", "b"), {"variable": "attractor"}, 3),  # both starts are one
         (
             (10.0, 20.0, 30.0),
             ("a", "b"),
@@ -1801,7 +1838,7 @@ def test_scales_and_limits_follow_the_figure():
     (ax,) = drawn.axes
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "linear")
     assert ax.get_xlim() == pytest.approx((1, 4 * np.pi))
-    assert ax.get_ylim() == (0, 1)
+    assert ax.get_ylim()[1] == 1
 
 
 @pytest.mark.parametrize("kind", ["bifurcation", "curve"])
@@ -2113,10 +2150,27 @@ def test_the_share_of_each_class_is_a_line():
     told = ["equilibrium", "periodic", "chaotic", "contact lost", error]
     (ax,) = drawn.axes
     assert legend_texts(ax) == told and ax.get_ylabel() == "share"
+    drawn_in = {line.get_label(): line.get_color() for line in reversed(ax.lines)}
+    assert all(drawn_in[name] == style.CLASSES[name.replace(" ", "_")] for name in told[:-1])
     rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
     heights = [float(row["y"]) for row in rows if row["series"] in told]
     assert sum(heights) == pytest.approx(3.0) and len(heights) == 12
     assert any(row["series"] == "periodic, error bar" for row in rows)
+
+
+def test_all_starts_have_one_name_in_all_panels():
+    """By their own names in one, where these are short enough, they were other lines there."""
+    starts = ["from rest", "with belt 1", "with belt 2"]
+    axes = data.axes(V=[1.0, 2.0, 3.0], N0=[1.0, 2.0], initial=starts)
+    dataset = data.response(np.full((3, 2, 3), "periodic", object), np.ones((3, 2, 3)), axes)
+    dataset["L_s"].values[:] *= np.array([1.0, 2.0])[:, None]
+    shares = np.ones((3, 2, 3, 2)) * np.array([0.3, 0.6])
+    told = (("V", "N0", "initial", "contact"), shares / np.array([1.0, 2.0])[:, None, None])
+    dataset = dataset.assign_coords(contact=[1, 2]).assign(stick_fraction=told)
+    words = {"contact = 1": "on the belt on the left", "contact = 2": "on the belt on the right"}
+    both = {"variable": ["L_s", "stick_fraction"], "x": "V", "words": words}
+    told = legend_texts(draw(dataset, figure("curve", **both)).axes[0])
+    assert sum("N_0$ = 1 N" in text for text in told) == 1, told
 
 
 def test_lines_that_hide_one_another_keep_their_places():
@@ -2431,7 +2485,8 @@ def test_levels_written_on_lines_that_run_close_do_not_lie_on_each_other(width):
     drawn.canvas.draw()
     boxes = [text.get_window_extent() for text in drawn.axes[0].texts]
     told = {text.get_text() for text in drawn.axes[0].texts}
-    assert len(told) == 3 or (width < 200.0 and not told)  # there the legend tells their dashes
+    assert len(told) == 3 or width < 200.0  # there the legend tells their dashes
+    assert sum("L_s" in text for text in legend_texts(drawn.axes[0])) == 3
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
     (x0, y0), (x1, y1) = drawn.axes[0].bbox.get_points()
     assert all(x0 < b.x0 and b.x1 < x1 and y0 < b.y0 and b.y1 < y1 for b in boxes)

@@ -36,7 +36,7 @@ FINER = 0.3  # share of its size that a mark has in a crowd ...
 STILL_SEEN = 0.6  # ... and where it is undecided: upon a line of equilibria, too
 BAR = 1.0  # marks on one another, over the whole width, that are one
 APART = 1.6  # size of marks that stand apart, and ...
-SHAPES = 24  # ... how many of one cloud there are
+SHAPES = 24  # ... how many there are of one cloud from one side to the other
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
@@ -92,7 +92,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         if not any(layer.dataset is one.dataset for one in shown):
             _refuse_apart(layer, shown, axis, observed)
     before = len(ax.lines)
-    _mark(ax, clouds, axis.size, figure.get_figwidth())
+    _mark(ax, clouds, axis.size, figure.get_figwidth(), settings)
     along = [one for one in others if branch.is_along(one, str(axis.name), observed)]
     settings = _as_the_grid(settings, axis, along)
     for layer in shown:  # a dataset that belongs to several is drawn with the first of them
@@ -242,7 +242,9 @@ def _sticking(dataset: xr.Dataset) -> xr.DataArray:
     return ~(share.max([d for d in share.dims if d not in dataset["status"].dims]) <= 0.0)
 
 
-def _mark(ax: Axes, clouds: Sequence[_Cloud], columns: int, width: float) -> None:
+def _mark(
+    ax: Axes, clouds: Sequence[_Cloud], columns: int, width: float, settings: points.Settings
+) -> None:
     """Marks that show through one another: what comes first is the widest.
 
     Points at rest have a black square in their mark, since its colour tells something else; not
@@ -267,7 +269,7 @@ def _mark(ax: Axes, clouds: Sequence[_Cloud], columns: int, width: float) -> Non
             _mark_values(ax, cloud, entry, size, sorts, many)
             _mark_rests(ax, cloud, entry, size, sorts, resting)
     if are_bars:
-        _mark_some(ax, pairs, sorts, resting)
+        _mark_some(ax, pairs, sorts, resting, settings)
     for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
     if apart.size:
@@ -288,15 +290,21 @@ def _mark_finely(ax: Axes, cloud: _Cloud, entry: points.Entry, size: float, rest
 
 
 def _mark_some(
-    ax: Axes, pairs: Sequence[tuple[_Cloud, points.Entry]], sorts: int, resting: str
+    ax: Axes,
+    pairs: Sequence[tuple[_Cloud, points.Entry]],
+    sorts: int,
+    resting: str,
+    settings: points.Settings,
 ) -> None:
     """Marks of clouds at places in turn, as far apart as they are seen as such, and their keys."""
     before = len(ax.lines)
+    everything = np.concatenate([np.append(cloud.x, cloud.rest_x) for cloud, _ in pairs])
+    shown = _along(_seen(everything, settings), settings)
+    apart = float(shown[-1] - shown[0]) / SHAPES if shown.size else 0.0
     for turn, (cloud, entry) in enumerate(pairs):
-        places = np.unique(np.append(cloud.x[~cloud.crowded], cloud.rest_x))
-        every = 1 + places.size // SHAPES
-        first = min(turn * every // len(pairs), max(places.size - 1, 0))
-        own = _at(cloud, places[first::every]) if places.size else cloud
+        places = _seen(np.append(cloud.x[~cloud.crowded], cloud.rest_x), settings)
+        chosen = _spread(_along(places, settings), apart, turn * apart / len(pairs))
+        own = _at(cloud, places[chosen]) if places.size else cloud
         _mark_values(ax, own, entry, APART, sorts, many=False)
         _mark_rests(ax, own, entry, APART, sorts, resting)
     for line in ax.lines[before:]:
@@ -306,6 +314,29 @@ def _mark_some(
             (key,) = ax.plot([], [])
             key.update_from(line)
             key.set_label(label)
+
+
+def _seen(x: np.ndarray, settings: points.Settings) -> np.ndarray:
+    """Rising places that the axis shows."""
+    low, high = sorted(points.in_si(end) for end in settings.get("xlim", (-np.inf, np.inf)))
+    least = np.finfo(float).tiny if points.is_logarithmic(settings, "x") else low
+    return np.unique(x[(max(low, least) <= x) & (x <= high)])
+
+
+def _along(x: np.ndarray, settings: points.Settings) -> np.ndarray:
+    """How far along the axis places lie."""
+    return np.log(x) if points.is_logarithmic(settings, "x") else x
+
+
+def _spread(at: np.ndarray, apart: float, off: float) -> list[int]:
+    """Some of rising places, as far `off` the first and, or more, `apart` from each other."""
+    chosen: list[int] = []
+    least = at.min(initial=np.inf) + off
+    for number, place in enumerate(at):
+        if place >= least or (not chosen and number == at.size - 1):
+            chosen.append(number)
+            least = place + apart
+    return chosen
 
 
 def _mark_values(

@@ -60,6 +60,7 @@ UNSURE = {
     "undecided points: nothing known": {"marker": "x", "ms": 5, "ls": "none"},
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
+CLASS_COLOURS = {name.replace("_", " "): colour for name, colour in style.CLASSES.items()}
 MOSTLY = 0.9  # of their points, at which lines of all starts are one, but for what each has alone
 MOST_COMPARED = 100  # lines that may lie on one another
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
@@ -219,10 +220,13 @@ def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
             groups.append([number])
         else:
             group.append(number)
+    alike = [[parted[number] for number in group] for group in groups]
+    called = chain(parted, *(_as_one(group, starts) for group in alike))
+    by_name = all(one.words.get("initial") not in points.SHARED for _, one in called)
     found: dict[int, tuple[int, _Curve]] = {}
-    for group in groups:  # what stays apart keeps its place, and with it its colour
-        lines = _as_one([parted[number] for number in group], starts)
-        found |= zip(group, lines, strict=False)
+    for group, own in zip(groups, alike, strict=True):
+        # what stays apart keeps its place, and with it its colour
+        found |= zip(group, _as_one(own, starts, by_name), strict=False)
     return [found[number] for number in sorted(found)]
 
 
@@ -263,23 +267,30 @@ def _shared(own: Sequence[_Curve], starts: Collection[str]) -> tuple[np.ndarray,
     return part, float(part.sum() / known.sum()) if known.any() else 1.0
 
 
-def _as_one(group: list[tuple[int, _Curve]], starts: Collection[str]) -> list[tuple[int, _Curve]]:
+def _as_one(
+    group: list[tuple[int, _Curve]], starts: Collection[str], by_name: bool = True
+) -> list[tuple[int, _Curve]]:
     """Lines that hide one another as the first, which has the name of all, if there is one.
 
-    Those of all `starts` at one place have one.
+    Those of all `starts` at one place have one, that of each or, not `by_name`, of all of them.
+    Where several places have one line, the starts of each place may.
     """
     (place, first), told = group[0], tuple(one.label for _, one in group)
     names = tuple(chain(*(one.names or (one.label,) for _, one in group)))
     if len(group) == 1 or len({(*one.words,) for _, one in group}) > 1:
         return group
     own = {one.words.get("initial") for _, one in group}
-    if not points.of_all(told):
-        is_one = len({one.without("initial") for _, one in group}) == 1 and len(group) == len(own)
-        is_random = any(one.is_random for _, one in group)
-        if not is_one or own != starts or is_random:
-            return group
+    is_one = len({one.without("initial") for _, one in group}) == 1 and len(group) == len(own)
+    of_each = is_one and own == starts and not any(one.is_random for _, one in group)
+    if of_each and not (by_name and points.of_all(told)):
         words = {**first.words, "initial": points.SHARED[len(starts) > 2]}
         return [(place, replace(first, words=words, names=names))]
+    if not points.of_all(told):
+        places: dict[str, list[tuple[int, _Curve]]] = {}
+        for at, one in group:
+            places.setdefault(one.without("initial"), []).append((at, one))
+        apart = [*places.values()] if len(places) > 1 else [[one] for one in group]
+        return [*chain(*(_as_one(one, starts, by_name) for one in apart))]
     words = {
         dim: points.BOTH.join(dict.fromkeys(one.words[dim] for _, one in group))
         for dim in first.words
@@ -316,7 +327,11 @@ def _entries(lines: Sequence[_Curve], dashed: str) -> list[points.Entry]:
     """
     shown = [one for one in lines if one.is_known or one.of_crossings]
     known = {"", *(word for one in shown for word in (one.label, one.without(dashed)))}
-    entries = points.entries([one.without(dashed) for one in lines])
+    names = [one.without(dashed) for one in lines]
+    entries = points.entries(names)
+    if {*names} <= {*CLASS_COLOURS}:  # as in maps
+        of_classes = zip(entries, names, strict=True)
+        entries = [replace(entry, colour=CLASS_COLOURS[name]) for entry, name in of_classes]
     if any(one.sort for one in lines):  # dashes tell these
         entries = [replace(entry, dash="-") for entry in entries]
     if dashed:

@@ -172,7 +172,7 @@ def in_one_line(words: str) -> str:
     words = re.sub(r"(?:([\d.]+) \\times |(?<![\w.]))10\^\{(-?\d+)\}", _plain_power, words)
     words = words.replace("\N{MINUS SIGN}", "-")
     words = re.sub(r"\\(?:mathrm|mathit|,|;)", "", words.replace(r"\to", "->"))
-    return re.sub(r"[${}\\]", "", words)
+    return re.sub(r"\$(.*?)\$", lambda symbols: re.sub(r"[{}\\]", "", symbols[1]), words)
 
 
 def _plain_power(written: re.Match[str]) -> str:

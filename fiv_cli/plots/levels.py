@@ -230,7 +230,7 @@ def _height(ax: Axes) -> float:
 
 
 def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]) -> None:
-    """Write each level on its lines; on none where one has no room: the legend tells them all.
+    """Write each level on its lines that have the room; the legend tells all of them.
 
     Of the lines of two ends on those of one of them, and a single level once.
     """
@@ -250,12 +250,11 @@ def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Seque
             _rooms(ax, lines, text, (others, shares), crossing, taken) for shares in (CLEAR, ALIKE)
         )
         found.append((lines, level, next(filter(None, rooms), [])[:most]))
-    if {level for _, level in drawn} == {level for _, level, places in found if places}:
-        for lines, level, places in found:
-            told = {level: labels.number_text(level, levels)}
-            size = mpl.rcParams["legend.fontsize"]
-            for text_ in ax.clabel(lines, fmt=told, fontsize=size, manual=places):
-                text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
+    size = mpl.rcParams["legend.fontsize"]
+    for lines, level, places in found:
+        told = {level: labels.number_text(level, levels)}
+        for text_ in ax.clabel(lines, fmt=told, fontsize=size, manual=places) if places else ():
+            text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
 
 
 def _rooms(

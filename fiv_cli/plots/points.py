@@ -557,6 +557,7 @@ GAP_MARKS = {
 MOST_GAP_ROWS = 6
 APART = 2.5  # pt: marks in a row are no bar
 GAP_MARK = 5.0  # pt
+TOUCHING = 1e-6  # share of a strip by which a tick at its edge may lie in it
 STRIP = "0.92"  # colour of where marks stand that have no height
 
 
@@ -589,10 +590,16 @@ def mark_gaps(
     if not looks:
         return
     place: Any = (0.0, 0.0), 1.0, step * len(looks)
-    look: Any = {"fc": STRIP, "ec": "none", "zorder": 1.6, "label": DECORATION}  # over the grid
-    ax.add_patch(Rectangle(*place, transform=ax.transAxes, **look))
-    if not ("ylim" in settings and ax is axes[0]):
+    strip = Rectangle(*place, transform=ax.transAxes, fc=STRIP, ec="none", label=DECORATION)
+    ax.add_patch(strip)
+    if "ylim" not in settings or ax is not axes[0]:
         _make_room_below(ax, step * (len(looks) + 1))  # marks of values reach below these
+        strip.set_zorder(1.6)  # over the grid
+    elif _is_used_below(ax, step * len(looks)):
+        _make_room_below(ax, step * len(looks), ax.get_ylim()[0])
+        strip.set_zorder(4.9)  # over what lies below the limit
+        ax.spines[:].set_zorder(4.95)
+    _leave_out_ticks(ax, step * len(looks))
 
 
 def _by_look(
@@ -638,14 +645,35 @@ def _apart(ax: Axes, x: np.ndarray) -> list[int]:
     return kept
 
 
-def _make_room_below(ax: Axes, share: float) -> None:
-    """Let what is drawn begin above the lowest `share` of a panel."""
+def _make_room_below(ax: Axes, share: float, lowest: float | None = None) -> None:
+    """Let what is drawn, or what is as high as the `lowest`, begin above a `share` of a panel."""
     is_log = ax.get_yscale() == "log"
-    ends = (*ax.get_ylim(), ax.dataLim.minposy if is_log else ax.dataLim.y0)
+    drawn = ax.dataLim.minposy if is_log else ax.dataLim.y0
+    ends = (*ax.get_ylim(), drawn if lowest is None else lowest)
     low, high, bottom = np.log(ends) if is_log else ends
     if bottom < high and bottom - low < share * (high - low):
         least = (bottom - share * high) / (1.0 - share)
         ax.set_ylim(np.exp(least) if is_log else least)
+
+
+def _is_used_below(ax: Axes, share: float) -> bool:
+    """Whether a line leads, between the limits, through the lowest `share` of a panel."""
+    drawn = [line for line in ax.lines if line.get_transform() == ax.transData]
+    lines = [np.reshape(np.asarray(line.get_xydata(), float), (-1, 2)) for line in drawn]
+    pixels = ax.transData.transform(np.concatenate([np.zeros((0, 2)), *lines]))
+    across, height = ax.transAxes.inverted().transform(pixels).T
+    return bool(np.any((across >= 0.0) & (across <= 1.0) & (height >= 0.0) & (height <= share)))
+
+
+def _leave_out_ticks(ax: Axes, share: float) -> None:
+    """No ticks at the lowest `share` of the heights of a panel: what is there has none."""
+    place = ax.transAxes.transform((0.0, (1.0 - TOUCHING) * share))
+    least = float(ax.transData.inverted().transform(place)[1])
+    for of, replaced in (
+        (ax.yaxis.get_major_locator(), ax.yaxis.set_major_locator),
+        (ax.yaxis.get_minor_locator(), ax.yaxis.set_minor_locator),
+    ):
+        replaced(style.TicksAbove(of, least))
 
 
 def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarray]]:

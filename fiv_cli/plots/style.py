@@ -33,7 +33,7 @@ from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 from matplotlib.textpath import TextPath
-from matplotlib.ticker import AutoLocator, FuncFormatter
+from matplotlib.ticker import AutoLocator, FuncFormatter, Locator
 
 from fiv_cli.errors import StorageError, UsageError
 from fiv_cli.files import refuse_special, write_whole
@@ -560,6 +560,30 @@ def label_log(axis: Axis) -> None:
     axis.set_tick_params(which="minor", pad=mpl.rcParams["xtick.major.pad"] + shorter)
 
 
+class TicksAbove(Locator):
+    """The ticks of an `own` locator but those below a value, where marks have no height."""
+
+    def __init__(self, own: Locator, least: float) -> None:
+        self.own, self.least = own, least
+
+    def set_axis(self, axis: Any) -> None:
+        """Tell both whose ticks they are."""
+        super().set_axis(axis)
+        self.own.set_axis(axis)
+
+    def __call__(self) -> Any:
+        """Where there are ticks."""
+        return [value for value in self.own() if value >= self.least]
+
+    def view_limits(self, vmin: float, vmax: float) -> tuple[float, float]:
+        """The own ends."""
+        return self.own.view_limits(vmin, vmax)
+
+    def nonsingular(self, v0: float, v1: float) -> tuple[float, float]:
+        """The own ends of a range that is too small."""
+        return self.own.nonsingular(v0, v1)
+
+
 def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
     own = own_axes(figure)
@@ -628,6 +652,7 @@ def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
     beside, upright = _room(ax)
     for axis in (ax.xaxis, ax.yaxis):
         locator = axis.get_major_locator()
+        locator = locator.own if isinstance(locator, TicksAbove) else locator
         if isinstance(locator, AutoLocator):
             locator.set_params(min_n_ticks=FEWEST_TICKS)
             if axis is ax.xaxis:
