@@ -1556,6 +1556,21 @@ def over_preloads(preloads=(10.0, 20.0, 30.0), starts=("far",)):
     return found.assign_coords(**data.axes(N0=preloads), contact=[1, 2])
 
 
+@pytest.mark.parametrize(
+    ("preloads", "starts", "variable", "told"),
+    [
+        ((10.0, 20.0, 30.0, 40.0), ("a", "b"), "stick_fraction", 8),  # dashes tell the contacts
+        ((10.0, 20.0, 30.0), ("a", "b"), "stick_fraction", 0),
+        ((10.0, 20.0, 30.0, 40.0), ("a", "b"), "L_s", 0),
+        (range(10, 100, 10), ("a",), "L_s", 0),  # a ramp tells them
+    ],
+)
+def test_lines_too_many_for_colours_are_told(preloads, starts, variable, told):
+    dataset = over_preloads(preloads, starts)
+    notes = style.notes_on(draw(dataset, figure("curve", x="Omega", variable=variable)))
+    assert [note.split(" lines")[0] for note in notes] == [str(told)] * (told > 0)
+
+
 def looks_of(ax, look):
     """Words of each line that has points -> its colour, or its dashes."""
     lines = [line for line in ax.lines if len(line.get_xdata())]
@@ -2991,9 +3006,10 @@ def test_a_motion_lies_over_the_basins_at_its_parameters(turned):
 
 
 def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
-    files = [("", data.basin(speeds=(1.0,))), ("", _motion_in_x(2.0))]
-    (ax,) = draw(files, figure("basin")).axes
-    assert [*_lines_over(ax)] == ["motion"]
+    of_cycle = _motion_in_x(2.0).assign_attrs(steady_state="unstable cycle")
+    for one, word in ((_motion_in_x(2.0), "motion"), (of_cycle, "unstable cycle")):
+        (ax,) = draw([("", data.basin(speeds=(1.0,))), ("", one)], figure("basin")).axes
+        assert [*_lines_over(ax)] == [word]
 
 
 def test_all_classes_have_a_colon_where_words_of_ones_own_hold_a_number():

@@ -169,6 +169,7 @@ def test_a_settled_motion_repeats_itself_after_each_of_its_periods() -> None:
     for number in (1, 2, 3):
         np.testing.assert_allclose(path[:, 1000 * number], path[:, 0], atol=1e-8)
     assert motion.attrs["point"] == "v=1.0, c=0.0, initial=far, settled"
+    assert motion.attrs["steady_state"] == "periodic"
 
 
 def test_what_has_no_period_is_told_and_may_be_recorded_all_the_same() -> None:
@@ -196,6 +197,7 @@ def test_in_a_case_of_a_cycle_alone_the_settled_motion_is_on_it_though_it_is_uns
     found = api.run(alone, workers=1).squeeze()
     assert found["stable"] == STABLE.codes["unstable"]
     motion = api.history(case, periods=1, settled=True).squeeze()
+    assert motion.attrs["steady_state"] == "unstable cycle"
     assert float(motion["time"][-1]) == pytest.approx(found["cycle_period"].item(), rel=1e-9)
     path = np.stack([motion["x"], motion["x_dot"]])
     np.testing.assert_allclose(path[:, -1], path[:, 0], atol=1e-6)

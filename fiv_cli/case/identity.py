@@ -23,6 +23,7 @@ from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 
 DOCUMENT_VERSION = 1
+STEADY_STATE = "steady_state"  # attribute of a motion that begins in one: which
 MOTION = "point"  # global attribute that only the motion of a single point has
 FOLLOWING_VERSION = 2  # raised whenever what is followed in steps is lost elsewhere
 

@@ -7,7 +7,6 @@ random, not of others, its standard error is sqrt(p (1 - p) / n) (Menck et al., 
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -18,6 +17,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.collections import PolyCollection
 
+from fiv_cli.case.identity import STEADY_STATE
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
@@ -236,8 +236,8 @@ def _motions_in_time(layer: points.Layer, several: bool = True) -> list[motion.M
     given = dataset.attrs.get("called", layer.label)
     file = layer.label if several or given else ""
     names = [points.joined(file, one.label) for one in every]
-    kinds = {one["kind"] for one in json.loads(dataset.attrs.get("analyses_json", "{}")).values()}
-    word = "cycle" if kinds == {"cycle"} else "motion"
+    reached = str(dataset.attrs.get(STEADY_STATE, ""))
+    word = reached if reached.endswith("cycle") else "motion"
     labels_of = names if given else [f"{word}{': ' * bool(name)}{name}" for name in names]
     return [replace(one, label=label) for one, label in zip(every, labels_of, strict=True)]
 

@@ -109,7 +109,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", words))
     others_at = _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
-    style.add_notes(figure, _of_other_sections(others_at, axis, observed))
+    sorts = [cloud.family or cloud.label for cloud in clouds]
+    notes = [*_of_other_sections(others_at, axis, observed), *points.of_many_lines(sorts)]
+    style.add_notes(figure, notes)
     if not clouds[0].label and (style.told_in([ax])[1] or points.gaps(first)):  # a legend anyway
         ax.lines[before].set_label(_start_of(first))
     points.dress([ax], shown, settings)

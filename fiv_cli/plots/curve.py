@@ -128,7 +128,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             ax.plot([], [], color=style.BLACK, label=max(told, key=len), **ERROR_BAR)
     gaps = "undecided" if names == ["attractor"] else ""
     points.dress(axes, _with_gaps(along), settings, gaps)
-    style.add_notes(figure, _of_edges(parts))
+    shown = [one.without(dashed) for one in every if one.is_known]
+    style.add_notes(figure, [*_of_edges(parts), *points.of_many_lines(shown)])
     return figure
 
 

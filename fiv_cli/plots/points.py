@@ -479,6 +479,15 @@ def colours_of(names: Sequence[str]) -> dict[str, ColorType]:
     }
 
 
+def of_many_lines(names: Sequence[str]) -> list[str]:
+    """What to do where lines that differ in more than one parameter are too many for colours."""
+    distinct = dict.fromkeys(map(stem, names))
+    if len(distinct) <= len(style.LINES) or len(_of_one_parameter([*distinct])) == 1:
+        return []
+    some = 'select = { initial = "LABEL" }'
+    return [f"{len(distinct)} lines are hard to tell apart; {some}, say, takes some of them"]
+
+
 def _of_one_parameter(names: Sequence[str]) -> list[list[str]]:
     """Names that differ in the value of one parameter, the last of their words, together."""
     groups: dict[str, list[str]] = {}

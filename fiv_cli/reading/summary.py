@@ -11,6 +11,7 @@ import numpy as np
 
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
+from fiv_cli.case.identity import MOTION, STEADY_STATE
 from fiv_cli.data.refined import described, in_full
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
 from fiv_cli.notation.amounts import with_error
@@ -43,7 +44,8 @@ IMPACTS_AND_DRIVE = (("mean_impact_power", "mean_drive_power"), ("impact_loss", 
 OF_EVERY_MOTION = {variable.name for variable in OF_MOTION}
 
 GLOBAL = (
-    *("title", "reference", "model", "law", "fingerprint", "source", "partial"),
+    *("title", "reference", "model", "law", MOTION, STEADY_STATE),
+    *("fingerprint", "source", "partial"),
     "assumed_of_contacts",
 )
 

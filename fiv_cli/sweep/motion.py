@@ -18,14 +18,14 @@ import numpy as np
 from fiv_cli.analyses import get_analysis
 from fiv_cli.analyses.base import Outcome
 from fiv_cli.case.case import AnalysisSpec, Axis, Case, StartSpec
-from fiv_cli.case.identity import MOTION, default_output, fingerprint
+from fiv_cli.case.identity import MOTION, STEADY_STATE, default_output, fingerprint
 from fiv_cli.data.assemble import assemble, axis_attributes
 from fiv_cli.data.dataset import Dataset
 from fiv_cli.data.layout import Dim, Layout
 from fiv_cli.data.netcdf import global_attributes, write_datasets
 from fiv_cli.data.provenance import provenance
 from fiv_cli.errors import UsageError
-from fiv_cli.flags import MOTION_OF_A_CYCLE, REASONS, STATUS, advice
+from fiv_cli.flags import MOTION_OF_A_CYCLE, REASONS, STABLE, STATUS, advice
 from fiv_cli.models import get_model
 from fiv_cli.notation.units import convert
 from fiv_cli.sweep.output import check_output
@@ -207,11 +207,10 @@ def run_motion(
         the branch that the point lies on ends before it; or no steady state is reached there, or
         one without a period.
     """
-    run, state = _Run(point, announce, policy or Policy()), None
+    run, state, reached = _Run(point, announce, policy or Policy()), None, ""
     if steady is not None:
-        period, state = run.steady_state()
+        period, state, reached = run.steady_state()
         if steady.periods is not None:
-            reached = str((state.carry or {}).get("attractor", ""))
             cycles = any(spec.kind == "cycle" for spec in point.case.analyses)
             settings = _over_periods(settings, period, steady.periods, reached, cycles)
     alone = run.plan("history", {**_settings(point.case), **settings})
@@ -229,7 +228,11 @@ def run_motion(
         )
     layout = replace(alone.layout, labels=(label,))
     dataset = assemble(layout, lambda: [(np.zeros(1, np.int64), block)])
-    return dataset.to_xarray(), Outcome(status, reason, message=block.messages.get(0, ""))
+    found = dataset.to_xarray()
+    if steady is not None and steady.settled:
+        announce(f"steady state: {reached.replace('_', ' ')}")
+        found.attrs[STEADY_STATE] = reached
+    return found, Outcome(status, reason, message=block.messages.get(0, ""))
 
 
 # --- which point ----------------------------------------------------------------------------------
@@ -375,8 +378,9 @@ class _Run:
             state = _as_begun(before, own, start, analysis, self.policy.executor)
         return run_task(_task(alone, Segment((values,), start, state), self.policy.executor))
 
-    def steady_state(self) -> tuple[float, ChainState]:
-        """Period, s (NaN: none), of the steady state that the point reaches, and how to go on.
+    def steady_state(self) -> tuple[float, ChainState, str]:
+        """Period, s (NaN: none), of the steady state that the point reaches, how to go on, and
+        what it is.
 
         In a case that looks for cycles alone it is the one that is found, stable or not.
         """
@@ -399,7 +403,10 @@ class _Run:
                 f"--settled: the point reaches no steady state ({reason})\nnext: {advice(reason)}"
             )
         period = result.block.values.get(named, np.full(1, np.nan))
-        return float(period[0]), state
+        reached = str(state.carry["attractor"])
+        if kind == "cycle":
+            reached = f"{STABLE.names[int(result.block.values['stable'][0])]} cycle"
+        return float(period[0]), state, reached
 
 
 def _continued(alone: AnalysisPlan) -> AnalysisPlan:
