@@ -248,6 +248,14 @@ def test_marks_of_gaps_stand_on_a_strip_below_what_has_a_value(log):
     assert (ax.transAxes.inverted().transform(ticks)[:, 1] >= top - 1e-5).all()
 
 
+def test_classes_keep_their_names_in_tables_where_points_failed():
+    drawn = draw(data.bifurcation(), figure("curve", variable="attractor"))
+    assert any(text.startswith("failed") for text in legend_texts(drawn.axes[0]))
+    rows = csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines())
+    told = {row["y"] for row in rows if row["series"] in ("near", "far")}
+    assert {"equilibrium", "periodic"} <= told and not any(word[0].isdigit() for word in told)
+
+
 @pytest.mark.parametrize("log", [False, "y"])
 def test_the_strip_of_gaps_lies_below_a_limit_and_over_what_is_below_it(log):
     dataset = data.bifurcation()

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
+from matplotlib.ticker import FixedLocator
 
 from fiv_cli.case.overrides import parse_override
 from fiv_cli.errors import EmptyFigureError, UsageError
@@ -682,7 +683,8 @@ def _leave_out_ticks(ax: Axes, share: float) -> None:
         (ax.yaxis.get_major_locator(), ax.yaxis.set_major_locator),
         (ax.yaxis.get_minor_locator(), ax.yaxis.set_minor_locator),
     ):
-        replaced(style.TicksAbove(of, least))
+        if not isinstance(of, FixedLocator):  # ticks of names stand at lines
+            replaced(style.TicksAbove(of, least))
 
 
 def _rows(mask: xr.DataArray, dim: str, label: str) -> list[tuple[str, np.ndarray]]:
