@@ -3020,6 +3020,16 @@ def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
         assert [*_lines_over(ax)] == [word]
 
 
+def test_cycles_of_two_files_are_called_by_what_they_are_where_that_tells_them_apart():
+    layers = [(name, _motion_in_x().assign_attrs(steady_state=f"{name} cycle"))
+              for name in ("unstable", "stable")]  # fmt: skip
+    (ax,) = draw([("", data.basin(speeds=(1.0,))), *layers], figure("basin")).axes
+    assert {*_lines_over(ax)} == {"unstable cycle", "stable cycle"}
+    layers[1] = ("other", layers[0][1])
+    (ax,) = draw([("", data.basin(speeds=(1.0,))), *layers], figure("basin")).axes
+    assert {*_lines_over(ax)} == {"unstable cycle: unstable", "unstable cycle: other"}
+
+
 def test_all_classes_have_a_colon_where_words_of_ones_own_hold_a_number():
     words = {"periodic": "stick-slip on belt 1"}
     (ax,) = draw(data.basin(speeds=(1.0,)), figure("basin", words=words)).axes

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from itertools import cycle
+from itertools import chain, cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -229,17 +229,27 @@ def _distinct(values: np.ndarray) -> int:
     return np.unique(steps.round()).size
 
 
-def _motions_in_time(layer: points.Layer, several: bool = True) -> list[motion.Motion]:
-    """Those of a file, of whichever of its analyses has any; of `several` files by their names."""
-    dataset = next(filter(motion.suits, (layer.dataset, *layer.beside)), layer.dataset)
+def _motions_in_time(layer: points.Layer, of_file: bool) -> list[motion.Motion]:
+    """Those of a file, of whichever of its analyses has any; `of_file`: by its name, too."""
+    dataset = _in_time(layer)
     every = motion.motions(dataset, {"overlay": True})
     given = dataset.attrs.get("called", layer.label)
-    file = layer.label if several or given else ""
+    file = layer.label if of_file or given else ""
     names = [points.joined(file, one.label) for one in every]
-    reached = str(dataset.attrs.get(STEADY_STATE, ""))
-    word = reached if reached.endswith("cycle") else "motion"
+    word = _what_it_is(layer)
     labels_of = names if given else [f"{word}{': ' * bool(name)}{name}" for name in names]
     return [replace(one, label=label) for one, label in zip(every, labels_of, strict=True)]
+
+
+def _in_time(layer: points.Layer) -> xr.Dataset:
+    """The analysis of a file that has motions in time, if one has."""
+    return next(filter(motion.suits, (layer.dataset, *layer.beside)), layer.dataset)
+
+
+def _what_it_is(layer: points.Layer) -> str:
+    """A motion, or a cycle that is stable or not."""
+    reached = str(_in_time(layer).attrs.get(STEADY_STATE, ""))
+    return reached if reached.endswith("cycle") else "motion"
 
 
 def _lay_over(
@@ -250,7 +260,9 @@ def _lay_over(
     settings: points.Settings,
 ) -> None:
     """Motions of further files as thin black lines, each in the panels of its parameters."""
-    every = (one for layer in layers for one in _motions_in_time(layer, len(layers) > 1))
+    words = [_what_it_is(layer) for layer in layers]
+    alike = [len(words) > 1 and (word == "motion" or words.count(word) > 1) for word in words]
+    every = chain(*map(_motions_in_time, layers, alike))
     for one, dash in zip(every, cycle(style.DASHES), strict=False):
         for name in names:
             motion.known_variable(one.data, name)
