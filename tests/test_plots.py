@@ -451,6 +451,22 @@ def test_a_line_is_seen_beneath_one_that_runs_upon_it_for_a_while():
         assert np.isfinite(y).tolist() == (dataset["Omega"].values >= x[20]).tolist()
 
 
+@pytest.mark.parametrize("starts", ["ab", "abc"])
+def test_of_lines_along_the_axis_that_beneath_the_last_is_seen(starts):
+    """Those beneath more would be bars there. What the dashes tell is the variable."""
+    values = np.zeros((46, len(starts)))
+    values[20:] = np.arange(1.0, 1.0 + len(starts))
+    axes = data.axes(Omega=np.linspace(0.5, 5.0, 46), initial=[*starts])
+    classes = np.full(values.shape, "periodic", object)
+    both = {name: (("Omega", "initial"), values + n, {"units": "m"})
+            for n, name in ((0.0, "x_rms"), (9.0, "y_rms"))}  # fmt: skip
+    dataset = data.response(classes, values + 1.0, axes).assign(both)
+    ax = draw(dataset, figure("curve", variable=["L_s", *both])).axes[1]
+    twice = 2.0 * style.SETTINGS["lines.linewidth"]
+    along = [one for one in ax.lines if one.get_linewidth() == twice and 0.0 in one.get_ydata()]
+    assert [int(np.isfinite(one.get_ydata()).sum()) for one in along] == [20]
+
+
 def test_lines_of_all_starts_are_one_though_their_names_are_long():
     labels = [f"from the {n} of all the many starts" for n in ("first", "second", "third")]
     dataset = data.bifurcation().isel(initial=[0, 0, 0]).assign_coords(initial=labels)
@@ -2900,6 +2916,9 @@ def test_a_basin_of_a_refined_lattice_has_a_cell_at_every_point(shift):
     (star,) = [line for line in ax.lines if line.get_label() == "where they rest"]
     assert star.get_xydata().tolist() == [[0.0, 0.0]]
     assert "6.7% of 6561 points run" in drawn.get_suptitle()
+    partial = _refined_lattice(shift=shift).assign_attrs(partial="441 of 6561 points")
+    told = draw(partial, figure("basin", x="initial.x", y="x_dot")).get_suptitle()
+    assert "441 points run so far" in told and "%" not in told
 
 
 @pytest.mark.parametrize(("count", "filled"), [(9, False), (41, True)])
@@ -3021,7 +3040,7 @@ def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
 
 
 def test_cycles_of_two_files_are_called_by_what_they_are_where_that_tells_them_apart():
-    layers = [(name, _motion_in_x().assign_attrs(steady_state=f"{name} cycle"))
+    layers = [(name, _motion_in_x().assign_attrs(steady_state=f"{name} cycle", called=""))
               for name in ("unstable", "stable")]  # fmt: skip
     (ax,) = draw([("", data.basin(speeds=(1.0,))), *layers], figure("basin")).axes
     assert {*_lines_over(ax)} == {"unstable cycle", "stable cycle"}

@@ -50,6 +50,7 @@ ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  
 CAP = 2.0  # half the width of the ends of error bars, pt
 UPON = 1e-6  # relative: values that differ by less are drawn at one place
 UNSEEN = 5e-3  # of all that a panel shows: an error bar that is shorter has no ends
+BRANCH = 1.8  # as wide as other lines, which lie over it: it is seen beside these
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
 NARROW = 2.5e-3  # of the greatest value: half of what may be, that is told by an error bar
 UNSURE = {
@@ -397,14 +398,18 @@ def _panel(
     dashes = {dash for _, dash in looks}
     if len(looks) > len({colour for colour, _ in looks}) or len(dashes) > 2:
         crowd *= TO_SEE_DASHES  # which tell what colours do not, or are of more than two sorts
+    lies_below = any(not curve.sort for curve, _ in lines)
     for place, (curve, entry) in enumerate(lines):
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
+        upon[(curve.y == 0.0) & (upon > 1)] = 0  # along the axis wider lines would be bars
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
         most = 0 if curve.of_crossings else int(crowd)
         if not apart:
             _frame_hidden(ax, curve, entry, [other for other, _ in lines[place + 1 :]])
+        if lies_below and curve.sort and curve.dash == "-":
+            curve = replace(curve, mark={**curve.mark, "lw": _width(BRANCH)})
         for named in _each_named(ax, curve, entry, apart, most):
             _plot(ax, curve, shift, named, apart, most, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
@@ -413,6 +418,11 @@ def _panel(
             ax.plot([], [], color=style.BLACK, label=told, **look)
     _name_values(ax, [*variables.values()])
     return barred
+
+
+def _width(times: float) -> float:
+    """So many times that of a line."""
+    return float(times * mpl.rcParams["lines.linewidth"])
 
 
 def _is_of_classes(variables: Mapping[str, xr.DataArray]) -> bool:
@@ -453,8 +463,8 @@ def _upon(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry])
     alike = entry.dash == beneath.dash and entry.colour != beneath.colour and not one.sort
     if not alike or not np.array_equal(one.x, other.x):
         return np.zeros(other.x.size, int)
-    seen = (one.y != 0.0) & ~one.open & ~one.is_wide  # along the axis wide lines would be bars
-    met = np.pad(np.isclose(one.y, other.y, rtol=UPON, atol=0.0) & seen, 1)
+    met = np.isclose(one.y, other.y, rtol=UPON, atol=0.0) & ~one.open & ~one.is_wide
+    met = np.pad(met, 1)
     return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
 
 
@@ -499,7 +509,7 @@ def _plot(
     if not apart:
         look |= _marked_where_seen(ax, way, most) if curve.is_marked else {"marker": "None"}
     if upon.any() and not apart:
-        wide = (1 + min(upon.max(), branch.MOST_BENEATH)) * mpl.rcParams["lines.linewidth"]
+        wide = _width(1 + min(upon.max(), branch.MOST_BENEATH))
         ax.plot(x, beneath, ls=dash, lw=wide, color=entry.colour, label=DECORATION)
     if curve.way.size and not apart:
         ax.plot([], [], ls=dash, label=label, **look)

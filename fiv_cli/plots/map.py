@@ -316,6 +316,8 @@ def how_run(dataset: xr.Dataset) -> str:
     counts = [int(is_class(dataset["computed"], (name,)).sum()) for name in names]
     run, right, wrong, _ = counts
     tested, total = right + wrong, sum(counts)
+    if dataset.attrs.get("partial"):  # how many there will be is not known yet
+        return f"{run + tested} points run so far"
     share = f"{(run + tested) / total:.1%} of {total} points run"
     return f"{share}, {wrong} of {tested} sampled mislabelled" if tested else share
 
