@@ -369,6 +369,31 @@ def test_a_run_says_what_passes_what_its_equations_take_as_small(
     assert f"  {remark}" in capsys.readouterr().out
 
 
+def test_what_a_branch_passes_beyond_its_first_cycle_is_told_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """That of 50 N is within 0.25 rad at 13 rad/s, and not at its end."""
+    case, output = tmp_path / "far.toml", str(tmp_path / "far.nc")
+    case.write_text("""schema = 1
+[model]
+name = "pin-on-disc"
+parameters = { N0 = 50.0, Omega = 13.0 }
+[[initial]]
+label = "followed"
+kind = "state"
+state = { phi_dot = 13.0 }
+[[analysis]]
+kind = "cycle"
+parameter = "Omega"
+bracket = [12.9, 19.95]
+""")
+    assert fiv(["run", str(case), "-o", output, "--workers", "1"]) == 0
+    remark = "phi passes 0.25 rad at 1 of 1 points"
+    assert f"  WARNING: {remark}" in capsys.readouterr().err
+    assert fiv(["show", output]) == 0
+    assert f"  {remark}" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(("going_on", "told"), [(True, "itself ended there"), (False, "go-on")])
 def test_a_chain_that_goes_on_in_any_case_is_not_told_to(going_on: bool, told: str) -> None:
     found = {"classes": {"periodic": 1}, "reasons": {"contact_lost": 1}, "said": {}, "still": ()}

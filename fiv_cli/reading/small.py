@@ -18,9 +18,46 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+BRANCH = "branch_min", "branch_max"  # of the state that is observed along a branch
+
+
 def passing(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
     """State -> how small it is to be, and at how many points it passes that; of those it does."""
-    return {name: facts for name, facts in _each(dataset) if facts["points"]}
+    return {name: facts for name, facts in _each(_with_branches(dataset)) if facts["points"]}
+
+
+def _with_branches(dataset: xr.Dataset) -> xr.Dataset:
+    """With how far the observed state goes along the branch of each point, where one is followed.
+
+    Not of datasets that are joined, whose branches are not in one row.
+    """
+    from fiv_cli.reading.select import row_sizes
+
+    sizes = row_sizes(dataset, BRANCH[0]) if BRANCH[0] in dataset else None
+    if sizes is None or dataset[BRANCH[0]].ndim > 1:
+        return dataset
+    state = observed_along(str(dataset[BRANCH[0]].attrs["long_name"]))
+    rows = {name: dataset[name].values for name in BRANCH}
+    far = furthest(rows, sizes.values.ravel()).reshape(sizes.shape)
+    return dataset.assign({along_branch(state): (sizes.dims, far)})
+
+
+def furthest(rows: Mapping[str, NDArray[Any]], sizes: NDArray[Any]) -> NDArray[np.float64]:
+    """How far from zero the branch of each point goes, 0 where none is; of its rows in turn."""
+    far, row = np.zeros(sizes.size), np.repeat(np.arange(sizes.size), sizes)
+    for name in BRANCH:
+        np.fmax.at(far, row, np.abs(rows[name][: row.size]))
+    return far
+
+
+def observed_along(words: str) -> str:
+    """The state that the words of `BRANCH` are about: least phi of the cycle."""
+    return words.split(" ")[1]
+
+
+def along_branch(state: str) -> str:
+    """What tells how far a state goes along a branch."""
+    return f"{state} along the branch"
 
 
 def lines(found: Mapping[str, Mapping[str, Any]]) -> list[str]:
@@ -84,4 +121,5 @@ def _passed(dataset: xr.Dataset, state: State) -> xr.DataArray | None:
 
 def _ends(name: str, known: Container[Any]) -> list[str]:
     """The variables that tell how far a state goes."""
-    return [one for one in (f"{name}_min", f"{name}_max", name) if one in known]
+    told = f"{name}_min", f"{name}_max", name, along_branch(name)
+    return [one for one in told if one in known]

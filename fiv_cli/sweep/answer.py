@@ -15,6 +15,7 @@ from fiv_cli.reading import small
 
 if TYPE_CHECKING:
     from fiv_cli.case.case import StartSpec
+    from fiv_cli.data.block import Block
     from fiv_cli.sweep.journal import Journal
 
 # Reasons that are told with what they mean; the rest is for `fiv show`.
@@ -193,9 +194,19 @@ def _still(journal: Journal, index: int) -> list[str]:
 
 def _beyond_small(journal: Journal, index: int) -> list[str]:
     """How many points pass what the equations of the model take as small."""
-    blocks = ((positions, block.values) for positions, block in journal.blocks(index))
-    size = journal.plan.analyses[index].size
-    return small.lines(small.passing_in(journal.plan.case.model, blocks, size))
+    analysis = journal.plan.analyses[index]
+    words = {variable.name: variable.long_name for variable in analysis.layout.variables}
+    branch = words.get(small.BRANCH[0], "")
+    blocks = ((at, one.values | _along(one, branch)) for at, one in journal.blocks(index))
+    return small.lines(small.passing_in(journal.plan.case.model, blocks, analysis.size))
+
+
+def _along(block: Block, branch: str) -> dict[str, NDArray[Any]]:
+    """How far the state that the words of a `branch` name goes along that of each point."""
+    if small.BRANCH[0] not in block.ragged:
+        return {}
+    name = small.along_branch(small.observed_along(branch))
+    return {name: small.furthest(block.ragged, block.row_sizes["branch"])}
 
 
 def _beyond_measured(journal: Journal, index: int) -> Iterator[str]:
