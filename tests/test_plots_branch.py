@@ -282,6 +282,28 @@ def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
         assert max(orders[True]) < min(orders[False])  # which start leads there is seen
 
 
+def test_a_branch_beside_starts_is_not_told_by_the_start_that_it_was_found_from() -> None:
+    """Where it leads this start may end elsewhere."""
+    starts = [{"label": "one", "kind": "state"}]
+    starts += [{"label": "two", "kind": "state", "state": {"x": 3.0}}]
+    section = {"observe": "x", "section": {"zero": "x_dot", "direction": "both"}}
+    followed = {"kind": "cycle", "parameter": "mu_k", "bracket": [4.9, 5.1], "transient": 500.0}
+    table = flutter(initial=starts)
+    cycles = api.run(api.load(table | {"analysis": [section | followed | {"t_max": 600.0}]}))
+    response = api.load(
+        table | {"analysis": [section | {"kind": "response", "t_max": 600.0}]},
+        {"grid.mu_k": [4.95, 5.0, 5.05]},
+    )
+    spec = FigureSpec("curve", "curve", {"variable": "x_amplitude", "x": "mu_k"})
+    (ax,) = draw([("", api.run(response)), ("", cycles)], spec).axes
+    drawn = [line for line in ax.lines if len(line.get_xdata()) > 1]
+    branch, reached = (
+        {line.get_color() for line in drawn if (" cycle" in str(line.get_label())) is told}
+        for told in (True, False)
+    )
+    assert len(branch) == 1 and reached and not branch & reached
+
+
 def test_a_dataset_at_one_place_of_the_abscissa_is_drawn_there() -> None:
     """One that differs in more is drawn across, as what it is compared with."""
     spec = FigureSpec("curve", "curve", {"variable": "growth_rate"})

@@ -202,7 +202,7 @@ def _lines(
             curves = (
                 _curves(part, name, len(own) > 1, settings, sorts)
                 if any(part is one for one in along[name])
-                else _of_branches(part, name, axis, rest > 1)
+                else _of_branches(part, name, axis, rest > 1, bool(along[name]))
                 or _without_axis(part, name, _first(parts[name]).dataset, axis)
             )
             yield from ((place, curve) for curve in curves)
@@ -774,17 +774,21 @@ def _narrowed(
     return middle, bar, [np.where(narrow, middle, end) for end in ends]
 
 
-def _of_branches(layer: points.Layer, name: str, axis: xr.DataArray, several: bool) -> list[_Curve]:
+def _of_branches(
+    layer: points.Layer, name: str, axis: xr.DataArray, several: bool, beside_starts: bool
+) -> list[_Curve]:
     """What branches along the abscissa tell of the variable, if there are any.
 
-    Those of `several` datasets, or of one with a name of its own, are called by that.
+    Those of `several` datasets, or of one with a name of its own, are called by that, and by their
+    start where nothing stands `beside_starts`: what of these leads there is not told by a branch.
     """
     curves, own = [], layer.label if several or layer.dataset.attrs.get("called") else ""
     for line, word, x, y in branch.told_of(layer.dataset, str(axis.name), name):
         sure = np.zeros(x.size, bool)
         look: dict[str, Any] = {"dash": branch.DASHES.get(word, "-"), "mark": {"marker": "None"}}
         what = x, y, sure, (y, y), np.zeros(x.size)
-        words = {DATASET: own, **line.words}
+        kept = {dim: told for dim, told in line.words.items() if dim != "initial"}
+        words = {DATASET: own, **(kept if beside_starts else line.words)}
         curves.append(_Curve(words, *what, **look, sort=f"{word} cycle"))
     return curves
 
