@@ -635,8 +635,11 @@ class _Curve:
     way: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def marked_as_others(self) -> _Curve:
-        """The same; of crossings whose mark tells nothing, with that of other lines."""
-        return replace(self, mark=DOT) if self.of_crossings and not self.sort else self
+        """The same; of crossings whose mark tells nothing, with that of other lines, where they
+        have theirs."""
+        if not self.of_crossings or self.sort:
+            return self
+        return replace(self, mark=DOT, of_crossings=False)
 
     def hides(self, other: _Curve) -> bool:
         """Whether it would lie upon another, mark by mark."""
