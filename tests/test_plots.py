@@ -467,6 +467,22 @@ def test_of_lines_along_the_axis_that_beneath_the_last_is_seen(starts):
     assert [int(np.isfinite(one.get_ydata()).sum()) for one in along] == [20]
 
 
+def test_dashes_tell_no_starts_whose_lines_are_one_for_a_while():
+    """In one colour those beneath would not be seen there."""
+    values = np.zeros((46, 2))
+    values[:, 0], values[:, 1] = np.arange(46.0), np.maximum(np.arange(46.0), 20.0)
+    axes = data.axes(Omega=np.linspace(0.5, 5.0, 46), initial=["a", "b"])
+    classes = np.full(values.shape, "periodic", object)
+    names = "stick_fraction", "slip_fraction", "separation_fraction"
+    dims = "Omega", "initial"
+    shares = {name: (dims, values / 46.0 + n, {"units": "1"}) for n, name in enumerate(names)}
+    dataset = data.response(classes, np.ones(values.shape), axes).assign(shares)
+    (ax,) = draw(dataset, figure("curve", variable=[*names])).axes
+    lines = [line for line in ax.lines if len(line.get_xdata())]
+    assert len({line.get_color() for line in lines}) == 2  # of the starts
+    assert len({line.get_linestyle() for line in lines}) == 3
+
+
 def test_lines_of_all_starts_are_one_though_their_names_are_long():
     labels = [f"from the {n} of all the many starts" for n in ("first", "second", "third")]
     dataset = data.bifurcation().isel(initial=[0, 0, 0]).assign_coords(initial=labels)
@@ -670,6 +686,19 @@ def test_marks_that_would_be_bars_are_dots_and_marks_at_some_of_them():
     told = [row[-2:] for row in table[1:] if row[-1]]
     assert len(told) == len({*map(tuple, told)}) == 900 + (omega >= 3.0).sum()
     assert {"near", "far", "both starts", "at rest"} == {*legend_texts(ax)}
+
+
+def test_the_key_of_rests_in_a_dense_diagram_is_as_they_are_drawn():
+    """Black, though the dots at rest have one colour."""
+    omega, preloads = np.linspace(0.5, 5.0, 300), [10.0, 20.0]
+    rows = [[0.01 * x] if preload > 10.0 else [] for x in omega for preload in preloads]
+    classes = np.where([[len(row) > 0] for row in rows], "periodic", "equilibrium")
+    shape, axes = (300, 2), data.axes(Omega=omega, N0=preloads)
+    rest = ("Omega", "N0"), np.full(shape, 0.02), {"units": "rad"}
+    dataset = data.response(classes.reshape(shape), np.ones(shape), axes, rows=rows)
+    (ax,) = draw(dataset.assign(phi_max=rest), figure("bifurcation", x="Omega")).axes
+    (key,) = [line for line in ax.lines if line.get_label() == "at rest"]
+    assert to_hex(key.get_color()) == BLACK.lower()
 
 
 def dense(rows, classes):
@@ -2164,6 +2193,16 @@ def test_a_figure_is_written_in_words_of_ones_own(kind, asked, said, kept):
     assert kept in plain and not {*said} & {*plain}
 
 
+def test_names_of_starts_are_no_part_of_other_words_nor_are_labels_that_are_given():
+    dataset = data.bifurcation().assign_coords(initial=["rest", "disc speed"])
+    words = {"rest": "from 0", "disc speed": "with the disc", "rad": "radian"}
+    (ax,) = draw(dataset, figure("bifurcation", words=words, ylabel="where it is (rad)")).axes
+    assert {"from 0", "with the disc"} <= {*legend_texts(ax)}
+    assert any(text.startswith("undecided: with the disc") for text in legend_texts(ax))
+    assert ax.get_xlabel().startswith("disc speed ") and ax.get_ylabel() == "where it is (rad)"
+    assert not any("at from 0" in text for text in legend_texts(ax))
+
+
 def test_words_of_ones_own_are_in_tables_and_under_axes_of_names():
     drawn = draw(data.bifurcation(), figure("bifurcation", words={"near": "from rest"}))
     rows = csv.reader(as_csv(drawn, Path("a.csv")).splitlines()[1:])
@@ -2529,6 +2568,16 @@ def test_levels_written_on_lines_that_run_close_do_not_lie_on_each_other(width):
     assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
     (x0, y0), (x1, y1) = drawn.axes[0].bbox.get_points()
     assert all(x0 < b.x0 and b.x1 < x1 and y0 < b.y0 and b.y1 < y1 for b in boxes)
+
+
+def test_levels_on_steep_lines_are_all_written_upwards():
+    response = with_growth()["response"]
+    x, y = (response[name].values for name in ("Omega", "N0"))
+    for lean in (-0.05, 0.05):
+        response["L_s"].values[:] = (x[:, None] + lean * y)[..., None]
+        drawn = draw(response, figure("map", variable="L_s", level=[3.0, 5.0, 7.0]))
+        turned = [text.get_rotation() for text in drawn.axes[0].texts]
+        assert len(turned) >= 3 and all(60.0 < angle < 120.0 for angle in turned)
 
 
 def test_a_level_is_written_where_its_line_is_straight_and_no_other_is_near(tmp_path, monkeypatch):

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain, pairwise, product
+from itertools import chain, combinations, pairwise, product
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -317,9 +317,29 @@ def _told_by_dashes(drawn: Sequence[tuple[int, _Curve]], bare: Sequence[int]) ->
         mixed = any(place in panels and not one.words.get(dim) for place, one in drawn)
         sorts = {one.words[dim] for _, one in told}
         count = len(sorts) + len({points.stem(one.without(dim)) for _, one in drawn})
-        if 0 < len(sorts) <= len(style.DASHES) and count < len(names) and not (unseen or mixed):
+        few = len(names) <= len(style.LINES)  # that colours tell all of
+        hidden = dim == "initial" and few and _coincide(told)
+        unfit = unseen or mixed or hidden
+        if 0 < len(sorts) <= len(style.DASHES) and count < len(names) and not unfit:
             fit[dim] = len(panels), len(sorts)
     return min(fit, key=lambda dim: fit[dim], default="")
+
+
+def _coincide(drawn: Sequence[tuple[int, _Curve]]) -> bool:
+    """Whether lines that differ in their start alone run upon each other for a while.
+
+    Of one colour those beneath would not be seen.
+    """
+    pairs = (
+        (one, other)
+        for (place, one), (there, other) in combinations(drawn, 2)
+        if place == there and one.without("initial") == other.without("initial")
+    )
+    return any(
+        np.array_equal(one.x, other.x)
+        and np.isclose(one.y[1:-1], other.y[1:-1], rtol=UPON, atol=0.0).any()
+        for one, other in pairs
+    )
 
 
 def _entries(lines: Sequence[_Curve], dashed: str) -> list[points.Entry]:

@@ -248,9 +248,10 @@ def draw(
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
     if len(layers) > 1:  # each of them is called by what it differs in
         layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
-    given = (one.dataset.attrs.get("called", "") for one in layers)  # no part of these is a word
+    given = [one.dataset.attrs.get("called", "") for one in layers]  # no part of these is a word
+    given += [str(settings.get(f"{which}label", "")) for which in "xyz"]
     words = {**{name: name for name in given if name}, **settings.get("words", {})}
-    with style.looks(axis, look, words, _called(words, layers)):
+    with style.looks(axis, look, words, _called(words, layers), _names_of_starts(layers)):
         drawn = kind.draw(layers, settings)
         points.relabel(drawn, settings)
         for ax in style.own_axes(drawn) if settings.keys() & {"xlim", "ylim"} else ():
@@ -263,6 +264,13 @@ def _called(words: Collection[str], layers: Sequence[points.Layer]) -> dict[str,
     """What a figure calls those of some words that are names of variables."""
     every = [dataset for one in layers for dataset in (one.dataset, *one.beside)]
     return {word: name_of(one[word]) for word in words for one in every if word in one.data_vars}
+
+
+def _names_of_starts(layers: Sequence[points.Layer]) -> set[str]:
+    """What starts are called, the members of a random one together."""
+    every = [dataset for one in layers for dataset in (one.dataset, *one.beside)]
+    named = (one["initial"].values.ravel() for one in every if "initial" in one.coords)
+    return {points.stem(str(name)) for names in named for name in names}
 
 
 def _checked(figure: FigureSpec) -> Settings:

@@ -13,6 +13,7 @@ import re
 import textwrap
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -238,6 +239,9 @@ _WORDS: ContextVar[Mapping[str, str] | None] = ContextVar("_WORDS", default=None
 _CALLED: ContextVar[Mapping[str, str]] = ContextVar("_CALLED", default=MappingProxyType({}))
 """Name of a variable -> what it is called in figures."""
 
+_STARTS: ContextVar[AbstractSet[str]] = ContextVar("_STARTS", default=frozenset())
+"""What starts are called: no part of other words, as of "at rest" and "velocity of belt 1"."""
+
 _MET: ContextVar[set[str] | None] = ContextVar("_MET", default=None)
 """What of it stood in some."""
 
@@ -259,15 +263,16 @@ def looks(
     look: Look | None = None,
     words: Mapping[str, str] | None = None,
     called: Mapping[str, str] = MappingProxyType({}),
+    starts: AbstractSet[str] = frozenset(),
 ) -> Iterator[None]:
     """The settings above over matplotlib's own defaults, whatever the user's configuration.
 
     What is drawn meanwhile is drawn on `axis`, if one is given, and written in `words` of its own.
-    Some of these may be names of variables, which a figure shows as they are `called`.
+    Some of these may be names of variables, which a figure shows as they are `called`, or `starts`.
     """
     look = look or SCREEN
     given, looking, writing = _GIVEN.set(axis), _LOOK.set(look), _WORDS.set(words)
-    calling = _CALLED.set(called)
+    calling, starting = _CALLED.set(called), _STARTS.set(starts)
     met, before = _MET.set(set()), _BEFORE.set({})
     root = axis.figure.figure if axis else None
     beside = _OTHERS.set([one for one in root.axes if one is not axis] if root else ())
@@ -281,6 +286,7 @@ def looks(
         _LOOK.reset(looking)
         _WORDS.reset(writing)
         _CALLED.reset(calling)
+        _STARTS.reset(starting)
         _MET.reset(met)
         _BEFORE.reset(before)
         _OTHERS.reset(beside)
@@ -303,13 +309,21 @@ def worded(text: str) -> str:
             _CALLED.get().get(word, word),
         )
     }
-    longest = "|".join(re.escape(form) for form in sorted(spelt, key=len, reverse=True))
+    longest = "|".join(map(_matched, sorted(spelt, key=len, reverse=True)))
     known = rf"(?<!\w)(?:{longest})(?!\w|\.\d)|\$[^$]*\$"
     met.update(spelt[one] for one in re.findall(known, text) if one in spelt)
     found = re.sub(known, lambda match: own.get(spelt.get(match[0], ""), match[0]), text)
     if (texts := _BEFORE.get()) is not None:
         texts.setdefault(" ".join(found.split()), text)
     return found
+
+
+def _matched(form: str) -> str:
+    """What finds a word in texts; the name of a start where it stands by itself between others."""
+    found = re.escape(form)
+    if form not in _STARTS.get():
+        return found
+    return rf"(?:^|(?<=, )|(?<=: )|(?<= and )){found}(?=$|,|:| and | \()"
 
 
 def unsaid(figure: Figure) -> list[str]:
@@ -408,8 +422,9 @@ def even_keys(legend: Legend) -> None:
 def colour_keys(axes: Sequence[Axes]) -> None:
     """Keys of legends that stand for what is drawn in one colour have this one, not black.
 
-    A key is a black line without points; what it stands for has its words at the end of a label.
-    Where other keys tell what colours mean, those of marks and dashes stay black.
+    A key is a black line without points; what it stands for has its words at the end of a label,
+    and is of marks where the key is, of these. Where other keys tell what colours mean, those of
+    marks and dashes stay black.
     """
     drawn, listed = [*_coloured(axes)], told_in(axes)[0]
     keys = [line for ax in axes for line in ax.lines if _is_key(line)]
@@ -417,20 +432,25 @@ def colour_keys(axes: Sequence[Axes]) -> None:
         return
     for key in keys:
         words = re.compile(f"_(.*, )?{re.escape(str(key.get_label()))}")
-        colours = {colour for label, colour in drawn if words.fullmatch(label)}
+        mark = key.get_marker() if key.get_linestyle() == "None" else None
+        colours = {
+            colour
+            for label, colour, own in drawn
+            if words.fullmatch(label) and (mark is None or mark == own)
+        }
         if len(colours) == 1:
             key.set_color(colours.pop())
 
 
-def _coloured(axes: Sequence[Axes]) -> Iterator[tuple[str, str]]:
-    """Label and colour of the lines that are drawn."""
+def _coloured(axes: Sequence[Axes]) -> Iterator[tuple[str, str, Any]]:
+    """Label, colour and mark of the lines that are drawn."""
     for ax in axes:
         for line in ax.lines:
             if not _is_key(line):
-                yield str(line.get_label()), to_hex(line.get_color())
+                yield str(line.get_label()), to_hex(line.get_color()), line.get_marker()
         for lines in ax.collections:
             if isinstance(lines, LineCollection):
-                yield str(lines.get_label()), to_hex(np.atleast_2d(lines.get_color())[0])
+                yield str(lines.get_label()), to_hex(np.atleast_2d(lines.get_color())[0]), None
 
 
 def _is_key(line: Line2D) -> bool:
