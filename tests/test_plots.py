@@ -1269,6 +1269,20 @@ def test_pieces_of_a_branch_meet_where_its_stability_changes(ends, place):
     assert (x[-1], others[0]) == (place, place)
 
 
+def test_a_branch_changes_at_a_grazing_not_at_a_fold_that_lies_behind_it():
+    """It comes from 2.0 to a grazing at 3.0 and goes on, unstable, to a fold at 1.4."""
+    one = branch_along_the_speed()
+    at = one["branch_value"].copy(data=[2.0, 3.0, 1.6, 1.45])
+    stable = ["stable", "stable", "unstable", "unstable"]
+    flags = data.flags("branch_obs", stable, ("unstable", "stable"))
+    kinds = data.flags("cycle_end_obs", ["grazing", "fold"], ("grazing", "fold"))
+    ends = one["cycle_end"].copy(data=[3.0, 1.4])
+    found = one.assign(branch_value=at, branch_stable=flags, cycle_end_kind=kinds, cycle_end=ends)
+    (first, x, *_), (then, others, *_) = stretches(found, {"N0": 0, "initial": 0})
+    assert (first, then) == ("stable", "unstable")
+    assert (x[-1], others[0]) == (3.0, 3.0)
+
+
 def test_each_diagram_has_the_branches_of_its_own_parameters():
     """In its colour, and called as it is, though a branch has the same parameter."""
     made = {}

@@ -37,6 +37,7 @@ STILL_SEEN = 0.6  # ... and where it is undecided: upon a line of equilibria, to
 BAR = 0.4  # size of a dot times columns, in widths: the widest marks, one in another, are a bar
 APART = 1.6  # size of marks that stand apart, and ...
 SHAPES = 24  # ... how many there are of one cloud from one side to the other
+DOTS_BETWEEN = 4  # marks, or more: at every second place they would look like another sort
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
@@ -302,7 +303,8 @@ def _mark_some(
     before = len(ax.lines)
     everything = np.concatenate([np.append(cloud.x, cloud.rest_x) for cloud, _ in pairs])
     shown = _along(_seen(everything, settings), settings)
-    apart = float(shown[-1] - shown[0]) / SHAPES if shown.size else 0.0
+    most = max(1, min(SHAPES, shown.size // DOTS_BETWEEN))
+    apart = float(shown[-1] - shown[0]) / most if shown.size else 0.0
     for turn, (cloud, entry) in enumerate(pairs):
         places = _seen(np.append(cloud.x[~cloud.crowded], cloud.rest_x), settings)
         chosen = _spread(_along(places, settings), apart, turn * apart / len(pairs))

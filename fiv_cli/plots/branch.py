@@ -267,7 +267,8 @@ def stretches(
     known = dataset["cycle_end"].values[ends]
     smooth = np.isin(_kinds(dataset)[ends], SMOOTH)
     alike = [at for at in changes if counts[at - 1] == counts[at]]
-    met = {at: _between(cycles[:, at - 1], cycles[:, at], known, smooth) for at in alike}
+    ahead = {at: np.sign(np.diff(cycles[0, max(at - 2, 0) : at])).sum() for at in alike}
+    met = {at: _between(cycles[:, at - 1], cycles[:, at], known, smooth, ahead[at]) for at in alike}
     for begin, end in pairwise([0, *changes, len(stability)]):
         joins = [met[at][:, None] if at in met else cycles[:, :0] for at in (begin, end)]
         piece = np.hstack([joins[0], cycles[:, begin:end], joins[1]])
@@ -331,15 +332,21 @@ def columns(values: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 
 def _between(
-    before: np.ndarray, after: np.ndarray, changes: np.ndarray, smooth: np.ndarray
+    before: np.ndarray,
+    after: np.ndarray,
+    changes: np.ndarray,
+    smooth: np.ndarray,
+    ahead: float,
 ) -> np.ndarray:
     """Value of the parameter and extremes where two cycles that follow one another change.
 
     That is the nearest of the changes, of the `smooth` ones if any is near; at a fold it lies
-    beyond both. None of their own step: midway.
+    beyond both, on the side that lies `ahead` of the first (1: where the parameter is greater; 0:
+    not known). None of their own step: midway.
     """
     middle, step = 0.5 * (before[0] + after[0]), abs(after[0] - before[0])
     near = np.abs(changes - middle) <= 1.5 * step
+    near &= (np.abs(changes - middle) <= 0.5 * step) | (ahead * (changes - before[0]) >= 0.0)
     near = changes[near & smooth] if (near & smooth).any() else changes[near]
     at = near[np.argmin(np.abs(near - middle))] if near.size else middle
     share = np.clip((at - before[0]) / (after[0] - before[0]), 0.0, 1.0) if step else 0.5
