@@ -335,11 +335,12 @@ def _coincide(drawn: Sequence[tuple[int, _Curve]]) -> bool:
         for (place, one), (there, other) in combinations(drawn, 2)
         if place == there and one.without("initial") == other.without("initial")
     )
-    return any(
-        np.array_equal(one.x, other.x)
-        and np.isclose(one.y[1:-1], other.y[1:-1], rtol=UPON, atol=0.0).any()
+    met = (
+        np.isclose(one.y, other.y, rtol=UPON, atol=0.0)
         for one, other in pairs
+        if np.array_equal(one.x, other.x)
     )
+    return any((at[1:] & at[:-1]).any() for at in met)
 
 
 def _entries(lines: Sequence[_Curve], dashed: str) -> list[points.Entry]:

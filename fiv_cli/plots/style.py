@@ -323,7 +323,7 @@ def _matched(form: str) -> str:
     found = re.escape(form)
     if form not in _STARTS.get():
         return found
-    return rf"(?:^|(?<=, )|(?<=: )|(?<= and )){found}(?=$|,|:| and | \()"
+    return rf"(?:(?m:^)|(?<=, )|(?<=: )|(?<= and )){found}(?=(?m:$)|,|:| and | \()"
 
 
 def unsaid(figure: Figure) -> list[str]:
