@@ -160,6 +160,41 @@ def test_at_any_damping_a_branch_of_stick_slip_goes_on_to_the_equilibrium() -> N
     assert found["cycle_end"].values[is_rest] == pytest.approx(hopf, abs=1e-6)
 
 
+@pytest.mark.parametrize("bracket", [(0.01, 10.0), (1.0, 2.5), (1.6, 1.9)])
+def test_a_branch_leads_to_the_corner_it_is_gone_on_from_in_steps(
+    bracket: tuple[float, float],
+) -> None:
+    """Where the contact begins to be lost, a multiplier grows without bound towards the corner.
+
+    In a short bracket the branch ended there; in others a straight line of 0.07 m/s led on.
+    """
+    case = {
+        "schema": 1,
+        "model": {"name": "flutter-2dof", "options": {"states": "all"}}
+        | {"parameters": {"c1": 0.1, "c2": 0.1, "v": 1.75}},
+        "friction": {"law": "coulomb", "mu_k": 5.0},
+        "initial": [{"kind": "equilibrium", "offset": {"x": 3.0}}],
+        "analysis": [
+            {"kind": "cycle", "parameter": "v", "bracket": [*bracket], "observe": "x"}
+            | {"section": {"zero": "x_dot", "direction": "down"}, "t_max": 1000.0}
+        ],
+    }
+    found = api.run(api.load(case), workers=1)
+    kinds = api.names_of(found["cycle_end_kind"]).values.tolist()
+    assert kinds == ["bracket", "grazing", "fold", "bracket"]
+    ends, errors = found["cycle_end"].values, found["cycle_end_error"].values
+    known = [bracket[0], 1.7831889, 1.6764161, bracket[1]]
+    assert (np.abs(ends - known) <= errors + 1e-7).all()
+    value, at_section = found["branch_value"].values, found["branch_section"].values
+    turn, fold = np.argmin(np.abs(value - ends[1])), np.argmin(np.abs(value - ends[2]))
+    way = slice(turn + 1, fold + 1)
+    assert (api.names_of(found["branch_stable"]).values[way][:-1] == "unstable").all()
+    assert at_section[way][0] == pytest.approx(at_section[turn], abs=1e-3)
+    assert np.interp(-1.75, -value[way], at_section[way]) == pytest.approx(3.2641, abs=2e-3)
+    assert np.abs(np.diff(value[way])).max() < 0.05
+    assert abs(value[way][0] - value[turn]) < 0.01
+
+
 @pytest.mark.parametrize(
     ("offset", "direction", "t_max"),
     [({"x": 1.3}, "down", 15.0), ({"x_dot": 1.0}, "both", 8.0), ({"x": 1.0}, "both", 100.0)],

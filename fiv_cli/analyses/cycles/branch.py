@@ -72,11 +72,11 @@ ASIDE = 0.05  # share of the way to a change by which a step ends beside where i
 HALVINGS = 40  # of a stretch in which a jump is looked for
 APART = 1e-3  # share of its extent by which a motion over a period jumps at least
 CORNERS = (1e-4, 1e-3, 1e-2, 5e-2)  # distances from an end at which another branch is looked for
-AHEAD = 0.2  # distance from there within which it is looked for ...
-BESIDE = 0.1  # ... and found
+AHEAD = 0.5  # distance from there within which it is looked for ...
+BESIDE = 0.4  # ... and found
 NEARBY = 4.0  # steps within which what lies beyond a change must have been found
 AROUND = 60  # points allowed on the way back to the end
-MEETING = 1e-4  # share of the bracket within which two branches end at one value
+MEETING = 1e-4  # share of the bracket within which two branches end at one value, or of extents
 SAME = 1e-6  # share of period and extent within which two cycles are one
 EDGE = 1e-12  # share of the bracket within which a value counts as its edge
 STEEP = 0.3  # a direction with more of the parameter in it than this is well off a fold
@@ -527,10 +527,10 @@ class _Walk:
         place = next(n for n, end in enumerate(self.ends) if end is corner)
         del self.ends[place + 1 :], self.points[self.before[place] :], self.before[place + 1 :]
 
-    def go_on_from(self, there: Point) -> None:
-        """Go on with another branch, from a point of it."""
-        self.here, self.well, self.length, self.in_a_row = there, there, FIRST, 0
-        self.points.append(there)
+    def go_on_along(self, way: Sequence[Point]) -> None:
+        """Go on with another branch, from the last of the points that lead to it from its end."""
+        self.here, self.well, self.length, self.in_a_row = way[-1], way[-1], FIRST, 0
+        self.points.extend(way)
 
 
 def stable_until(first: Point, ends: Sequence[End]) -> End | None:
@@ -544,8 +544,10 @@ def _advance(line: Continuation, walk: _Walk, there: Point) -> End | None:
     """Go to the next point, or to the first after a change before it; the end reached there."""
     walk.in_a_row += 1
     changes = there.character != walk.here.character
+    way = [there]
     if changes:
-        end, there, walk.length = _first_change(line, walk, there)
+        end, way, walk.length = _first_change(line, walk, there)
+        there = way[-1]
         walk.in_a_row = 0
         if end is not None:
             walk.pass_end(end)
@@ -556,7 +558,7 @@ def _advance(line: Continuation, walk: _Walk, there: Point) -> End | None:
     if changes or walk.length >= ORDINARY:
         walk.well = there
     walk.here = there
-    walk.points.append(there)
+    walk.points.extend(way)
     return _known_end(line, walk.first, walk.points)
 
 
@@ -568,11 +570,11 @@ def _turn(line: Continuation, walk: _Walk) -> End | None:
         return _again(line, walk, told_before, end)
     corner = walk.round_corners and end.kind == GRAZING
     met = [e.last for e in walk.ends if abs(e.value - end.value) <= MEETING * line.span and e.last]
-    there = _round_corner(line, walk.here, met) if corner else None
-    if there is None:
+    way = _round_corner(line, walk.here, met) if corner else []
+    if not way:
         return end
-    walk.pass_end(replace(end, goes_on=True, beyond=there))
-    walk.go_on_from(there)
+    walk.pass_end(replace(end, goes_on=True, beyond=way[0]))
+    walk.go_on_along(way)
     return None
 
 
@@ -594,13 +596,13 @@ def _again(line: Continuation, walk: _Walk, corner: End, end: End) -> End | None
     So close to it the cycles beyond may lie on the side from which it was come to.
     """
     is_new = walk.round_corners and not any(one is corner for one in walk.rounded)
-    there = _round_corner(line, corner.last, []) if is_new and corner.last else None
-    if there is None:
+    way = _round_corner(line, corner.last, []) if is_new and corner.last else []
+    if not way:
         return _one_corner(walk, corner, end)
     walk.cut_at(corner)
-    walk.ends[-1] = replace(corner, goes_on=True, beyond=there)
+    walk.ends[-1] = replace(corner, goes_on=True, beyond=way[0])
     walk.rounded.append(walk.ends[-1])
-    walk.go_on_from(there)
+    walk.go_on_along(way)
     return None
 
 
@@ -693,8 +695,10 @@ def middle_of(line: Continuation, here: Point, length: float) -> float:
     return here.value + 0.5 * way_of(here) * reach_of(line, here, length)
 
 
-def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | None, Point, float]:
-    """The first change of character on the way to a point, the point after it, the next step.
+def _first_change(
+    line: Continuation, walk: _Walk, there: Point
+) -> tuple[End | None, list[Point], float]:
+    """The first change of character on the way to a point, the points after it, the next step.
 
     Where what changes is not found on the way, `there` lies on another branch: no change, and the
     last point before it.
@@ -706,7 +710,7 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
         if middle is not None and middle.character == here.character:
             here, away = middle, away - length
             if away <= 0.0 or here.value in line.bracket:
-                return None, here, length
+                return None, [here], length
             length = _aim(here, there, away, beyond=True) if seen else length
             continue
         if middle is not None:
@@ -715,13 +719,14 @@ def _first_change(line: Continuation, walk: _Walk, there: Point) -> tuple[End | 
             break
         seen = seen and middle is not None
         length = _aim(here, there, away, beyond=False) if seen else 0.5 * length
-    found = away <= NEARBY * length or (walk.round_corners and _begins_at(line, there, here))
+    near = away <= NEARBY * length
+    way = [there] if near else walk.round_corners and _way_from(line, here, there)
     width, kind = 0.5 * reach_of(line, here, length), _kind_of_change(line, here, there)
-    if not found:
-        return None, here, length
+    if not way:
+        return None, [here], length
     value = middle_of(line, here, length)
-    end = End(value, width, kind, way_of(here), True, here, walk.well, there)
-    return end, there, max(length, FIRST * SHRUNK)
+    end = End(value, width, kind, way_of(here), True, here, walk.well, way[0])
+    return end, way, max(length, FIRST * SHRUNK)
 
 
 def _aim(here: Point, there: Point, away: float, beyond: bool) -> float:
@@ -735,15 +740,34 @@ def _aim(here: Point, there: Point, away: float, beyond: bool) -> float:
     return away * (min(share + ASIDE, 1.0) if beyond else max(share - ASIDE, 0.5 * share))
 
 
-def _begins_at(line: Continuation, there: Point, here: Point) -> bool:
-    """Whether a branch of other cycles, followed back from `there`, ends where `here` does."""
+def _way_from(line: Continuation, here: Point, there: Point) -> list[Point]:
+    """The branch of other cycles from where `here` ends to `there`; empty where it is not so.
+
+    It is so where that branch, followed back from `there`, ends at the same grazing.
+    """
     if there.cycle.signature == here.cycle.signature:
-        return False
-    back = replace(there, tangent=-there.tangent)
-    _, ends = follow(line, back, most=AROUND, round_corners=False)
-    if not ends or ends[0].kind != GRAZING:
-        return False
-    return abs(ends[0].value - here.value) <= MEETING * line.span
+        return []
+    back, ends = follow(line, _reversed(there), most=AROUND, round_corners=False)
+    begins_here = ends[0].kind == GRAZING and (
+        abs(ends[0].value - here.value) <= MEETING * line.span or _meet(here, [there, *back][-1])
+    )
+    return [*map(_reversed, reversed(back)), there] if begins_here else []
+
+
+def _meet(one: Point, other: Point) -> bool:
+    """Whether two cycles are nearly one, whatever the bracket.
+
+    Towards a grazing at which a multiplier grows without bound a branch is not followed to the end.
+    """
+    apart = np.abs(one.cycle.extremes - other.cycle.extremes) / one.cycle.scales
+    of_period = abs(other.cycle.period / one.cycle.period - 1.0)
+    return max(float(np.max(apart)), of_period) <= MEETING
+
+
+def _reversed(point: Point) -> Point:
+    """The same cycle, with the other direction of its branch."""
+    kept = point.kept and (not point.kept[0], point.kept[1])
+    return replace(point, tangent=-point.tangent, kept=kept)
 
 
 def _kind_of_change(line: Continuation, here: Point, there: Point) -> str:
@@ -882,12 +906,12 @@ def _distance(here: Point, one: Vector, other: Vector) -> float:
     return float(np.max(np.abs(one - other) / here.frame.scales))
 
 
-def _round_corner(line: Continuation, here: Point, met: list[Point]) -> Point | None:
-    """The first cycle with another sequence of events on a branch that begins where this ends.
+def _round_corner(line: Continuation, here: Point, met: list[Point]) -> list[Point]:
+    """The first points of a branch with another sequence of events that begins where this ends.
 
     Cycles near the last one are looked for from all sides; one counts if its own branch, followed
     back, ends at the same value of the parameter. The branches of `met`, which have ended there,
-    are gone on with already.
+    are gone on with already. Empty where there is none.
     """
     for distance in CORNERS:
         tried = {point.cycle.signature for point in (here, *met)}
@@ -895,10 +919,10 @@ def _round_corner(line: Continuation, here: Point, met: list[Point]) -> Point | 
             found = _beyond_corner(line, here, here.unknowns + distance * way)
             if found is None or found.cycle.signature in tried:
                 continue
-            if _begins_at(line, found, here):
-                return found
+            if points := _way_from(line, here, found):
+                return points
             tried.add(found.cycle.signature)
-    return None
+    return []
 
 
 def _beyond_corner(line: Continuation, here: Point, guess: Vector) -> Point | None:
