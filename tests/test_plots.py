@@ -758,6 +758,18 @@ def test_the_key_of_what_only_crowds_is_a_dot_in_a_dense_diagram_too():
     assert (keys["near"], keys["far"]) == ("o", ".")
 
 
+def test_every_value_of_a_diagram_of_one_start_has_its_name_in_the_table():
+    """Of a crowd, too: tables are grouped by it, and rows without one are left out."""
+    rows = [[*(0.02 * n + 0.001 * np.arange(12 if n % 2 else 2))] for n in range(12)]
+    dataset = data.response(
+        np.array(["periodic", "chaotic"] * 6)[:, None], np.ones((12, 1)),
+        data.axes(Omega=np.linspace(0.5, 5.0, 12), initial=["far"]), rows=rows,
+    )  # fmt: skip
+    table = as_csv(draw(dataset, figure("bifurcation")), Path("crowd.csv")).splitlines()
+    series = [dict(zip(table[0].split(","), row.split(","), strict=True)) for row in table[1:]]
+    assert [row["series"] for row in series] == ["start: far"] * (6 * 12 + 6 * 2)
+
+
 def dots_of(drawn):
     """The lines of full dots."""
     return [
@@ -2298,8 +2310,9 @@ def test_a_point_that_another_hides_has_a_ring():
     dataset["L_s"][5, :] = 0.1
     dataset["L_s"][9, 1] = 0.2
     (ax,) = draw(dataset, figure("curve", variable="L_s")).axes
-    (ring,) = [line for line in ax.lines if line.get_marker() == "s"]
+    ring, key = [line for line in ax.lines if line.get_marker() == "s"]
     assert ring.get_ydata().tolist() == [0.1]
+    assert key.get_label() == "several, one upon another" in legend_texts(ax)
     assert to_hex(ring.get_color()) == to_hex(points.colours([ax])["near"])
 
 

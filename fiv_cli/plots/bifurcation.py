@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import CYCLE_END, NOT_COMPUTED, SECTION
 from fiv_cli.plots import branch, labels, points, smooth, style
-from fiv_cli.plots.drawn import DECORATION
+from fiv_cli.plots.drawn import DECORATION, UNNAMED
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names, is_class, numbers
 
@@ -94,6 +94,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             _refuse_apart(layer, shown, axis, observed)
     before = len(ax.lines)
     _mark(ax, clouds, axis.size, figure.get_figwidth(), settings)
+    marked = len(ax.lines)
     along = [one for one in others if branch.is_along(one, str(axis.name), observed)]
     settings = _as_the_grid(settings, axis, along)
     for layer in shown:  # a dataset that belongs to several is drawn with the first of them
@@ -113,10 +114,19 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     sorts = [cloud.family or cloud.label for cloud in clouds]
     notes = [*_of_other_sections(others_at, axis, observed), *points.of_many_lines(sorts)]
     style.add_notes(figure, notes)
-    if not clouds[0].label and (style.told_in([ax])[1] or points.gaps(first)):  # a legend anyway
-        ax.lines[before].set_label(_start_of(first))
+    if not clouds[0].label:
+        _name_alone(ax.lines[before:marked], _start_of(first))
+        if style.told_in([ax])[1] or points.gaps(first):  # a legend anyway
+            ax.lines[before].set_label(_start_of(first))
     points.dress([ax], shown, settings)
     return figure
+
+
+def _name_alone(lines: Sequence[Line2D], name: str) -> None:
+    """Give what has no name in a table the name of all of them."""
+    for line in lines:
+        if str(line.get_label()) == "_" or str(line.get_label()).startswith(UNNAMED):
+            line.set_label(points.unlisted(name))
 
 
 def _start_of(diagram: xr.Dataset) -> str:

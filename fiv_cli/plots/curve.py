@@ -45,6 +45,7 @@ TO_SEE_DASHES = 4  # times the room between marks without it
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
+FRAMED = "several, one upon another"
 FRAME: dict[str, Any] = {"marker": "s", "ms": 7, "mfc": "none", "mew": 1.2, "ls": "none"}
 ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CAP = 2.0  # half the width of the ends of error bars, pt
@@ -419,7 +420,7 @@ def _panel(
     dashes = {dash for _, dash in looks}
     if len(looks) > len({colour for colour, _ in looks}) or len(dashes) > 2:
         crowd *= TO_SEE_DASHES  # which tell what colours do not, or are of more than two sorts
-    lies_below = any(not curve.sort for curve, _ in lines)
+    lies_below, framed = any(not curve.sort for curve, _ in lines), False
     for place, (curve, entry) in enumerate(lines):
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
         upon[(curve.y == 0.0) & (upon > 1)] = 0  # along the axis wider lines would be bars
@@ -428,12 +429,14 @@ def _panel(
         apart = classes or entry.scattered or not numeric
         most = 0 if curve.of_crossings else int(crowd)
         if not apart:
-            _frame_hidden(ax, curve, entry, [other for other, _ in lines[place + 1 :]])
+            framed |= _frame_hidden(ax, curve, entry, [other for other, _ in lines[place + 1 :]])
         if lies_below and curve.sort and curve.dash == "-":
             curve = replace(curve, mark={**curve.mark, "lw": _width(BRANCH)})
         for named in _each_named(ax, curve, entry, apart, most):
             _plot(ax, curve, shift, named, apart, most, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
+    if framed:
+        ax.plot([], [], color=style.BLACK, label=FRAMED, **FRAME)
     for told, look in UNSURE.items():
         if any(str(drawn.get_label()).endswith(told) for drawn in (*ax.lines, *ax.collections)):
             ax.plot([], [], color=style.BLACK, label=told, **look)
@@ -491,10 +494,10 @@ def _upon(over: tuple[_Curve, points.Entry], under: tuple[_Curve, points.Entry])
     return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
 
 
-def _frame_hidden(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[_Curve]) -> None:
+def _frame_hidden(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[_Curve]) -> bool:
     """A square about each point of a line that stands alone, and that of a `later` one hides.
 
-    It is the wider the more of these there are.
+    It is the wider the more of these there are. Tells whether there is any.
     """
     alone = points.alone(np.isfinite(curve.y) & ~curve.is_wide)
     x, y = curve.x[alone], curve.y[alone]
@@ -506,6 +509,7 @@ def _frame_hidden(ax: Axes, curve: _Curve, entry: points.Entry, later: Sequence[
         here, wide = count == number, FRAME["ms"] * (1.0 + 0.5 * (number - 1))
         look = {**FRAME, "ms": wide, "color": entry.colour, "label": DECORATION}
         ax.plot(x[here], y[here], **look)
+    return bool(count.any())
 
 
 def _plot(
