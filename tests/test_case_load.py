@@ -9,6 +9,7 @@ import pytest
 
 from fiv_cli.analyses.base import Section, SolverSettings
 from fiv_cli.case.case import Case, StartSpec
+from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.load import load_case, parse_case
 from fiv_cli.case.starts import AT_REST
 from fiv_cli.errors import CaseError, Problem, UsageError
@@ -431,6 +432,24 @@ class TestGrid:
         case = parse(text, "grid.friction.mu_k=[0.1, 0.2]", "grid.friction.0=exponential")
         assert case.laws == ("exponential", "stribeck")
         assert case.axis("mu_k").values == (0.1, 0.2)
+
+    @pytest.mark.parametrize(
+        ("given", "name"), [("v_s = 0.05", "v_s"), ("stribeck = { v_s = 0.05 }", "stribeck")]
+    )
+    def test_what_is_left_of_a_law_that_an_override_replaces_does_not_count(
+        self, given: str, name: str
+    ) -> None:
+        text = belt(
+            "[friction]", "mu_k = 0.3", given, "[grid]", 'friction = ["coulomb", "stribeck"]'
+        )
+        one = "grid.friction=['coulomb']"
+        assert parse(text, one).laws == ("coulomb",)
+        assert fingerprint(parse(text, one)) == fingerprint(parse(text.replace(given, ""), one))
+        problem = only_problem(text, one, "friction.v_s=0.1")
+        assert problem.path == "friction.v_s"  # which the override asks for itself
+        chosen = belt("[friction]", given)
+        assert only_problem(chosen).path == f"friction.{name}"
+        assert parse(chosen, "friction.law=coulomb").laws == ("coulomb",)
 
     def test_law_fixed_and_varied(self) -> None:
         text = belt("[friction]", 'law = "coulomb"', "[grid]", 'friction = ["coulomb", "stribeck"]')

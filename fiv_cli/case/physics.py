@@ -98,6 +98,11 @@ def _of_laws(tables: Mapping[str, Iterable[Parameter]]) -> dict[str, Parameter]:
     return found
 
 
+def _names_in(laws: Iterable[Law]) -> set[str]:
+    """Names of laws and of their parameters."""
+    return {name for law in laws for name in (law.name, *(p.name for p in law.parameters))}
+
+
 AMBIGUOUS = "{!r} means different things to the laws in use"
 
 
@@ -315,7 +320,8 @@ class _Reader:
 
     def of_laws(self, model: Model, laws: Sequence[Law], table: FrictionTable) -> dict[str, float]:
         """The laws' parameters, and those of the tables ``[friction.LAW]``."""
-        extra = table.model_extra or {}
+        left = self.left_of_others(model, laws)
+        extra = {n: value for n, value in (table.model_extra or {}).items() if n not in left}
         own_tables = {name: value for name, value in extra.items() if isinstance(value, dict)}
         plain = {name: value for name, value in extra.items() if name not in own_tables}
         known = _of_laws({law.name: law.parameters for law in laws})
@@ -326,6 +332,14 @@ class _Reader:
             if name not in self.refused:  # which is told where it is named
                 found |= self.of_law(model, laws, name, values)
         return found
+
+    def left_of_others(self, model: Model, laws: Sequence[Law]) -> set[str]:
+        """What the file gives to other laws of the model, where ``--set`` has chosen the laws."""
+        at = ("friction", "law"), ("grid", "friction")
+        if not any(map(self.report.is_overridden, at)):
+            return set()
+        told = _names_in(map(get_law, laws_of(model))) - _names_in(laws)
+        return {name for name in told if not self.report.is_overridden(("friction", name))}
 
     def refuse_ambiguous(self, laws: Sequence[Law], names: Iterable[str]) -> None:
         for name in names:

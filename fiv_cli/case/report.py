@@ -168,6 +168,10 @@ class Report:
             told.append(Problem("case", f"no more than {MOST_PROBLEMS:,} problems are told"))
         raise CaseError(self.source, told, self._files)
 
+    def is_overridden(self, path: Path) -> bool:
+        """Whether the value at `path` is of a ``--set``."""
+        return bool(self._override_at(path))
+
     def _override_at(self, path: Path) -> str:
         """The last override that wrote `path`, or a table above it, or made it on its way."""
         for place, text in reversed(list(self._overrides.items())):
