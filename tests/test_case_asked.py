@@ -47,6 +47,7 @@ MEAN = 'take = { what = "mean", over = "v" }'
 CLASSES = 'take = { what = "classes", over = "v" }'
 
 
+LIMITS = "ylim = { perod = [0, 1] }"
 SEVERAL = 'variable = ["L_s", "growth_rate"]'
 START_AXIS = '[grid]\n"initial.x" = [0.0, 0.1, 0.2]'
 LESS = "{{ less_than = {{ {} }} }}"
@@ -97,6 +98,8 @@ def problem(text: str) -> Problem:
         figure('kind = "curve"', 'x = "v"', SEVERAL, "select = { mode = 0 }"),
         figure('kind = "history"', 'variable = "friction_power"'),
         figure('kind = "curve"', "log = true", "xlim = [0.1, 1]"),
+        figure('kind = "curve"', 'variable = ["period", "L_s"]', LIMITS.replace("perod", "period")),
+        figure('kind = "eigenvalues"', "ylim = { mode_frequency = [0, 1] }"),
         figure('kind = "curve"', 'log = "y"', "xlim = [0, 1]"),
         plane('variable = "L_s"', "log = true", "zlim = [0, 1]"),
         plane('variable = "attractor"', "level = { growth_rate = 0.0 }"),
@@ -189,6 +192,8 @@ def test_what_will_be_there(text: str) -> None:
         ),
         (figure('kind = "curve"', 'y = "L_S"'), "figure.0.y", "did you mean 'L_s'"),
         (figure('kind = "curve"', "log = true", "xlim = [0, 1]"), "figure.0.xlim", "above 0"),
+        (figure('kind = "curve"', SEVERAL, LIMITS), "figure.0.ylim.perod", "no variable of this"),
+        (figure('kind = "bifurcation"', LIMITS), "figure.0.ylim", "with a panel for each"),
         (plane('variable = "L_s"', 'log = "z"', "zlim = [0, 1]"), "figure.0.zlim", "above 0"),
         (figure('kind = "curve"', 'log = "xz"'), "figure.0.log", "a curve has no shades"),
         (figure('kind = "history"', "contact = 2"), "figure.0.contact", "is no contact 2"),

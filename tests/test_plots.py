@@ -685,6 +685,9 @@ def test_marks_that_would_be_bars_are_dots_and_marks_at_some_of_them():
     table = [row.split(",") for row in as_csv(drawn, Path("dense.csv")).splitlines()]
     told = [row[-2:] for row in table[1:] if row[-1]]
     assert len(told) == len({*map(tuple, told)}) == 900 + (omega >= 3.0).sum()
+    keys = {str(line.get_label()): line for line in ax.lines if not len(line.get_xdata())}
+    assert {keys[start].get_linestyle() for start in starts} != {"None"}  # marks among dots
+    assert keys["at rest"].get_linestyle() == "None"
     assert {"near", "far", "both starts", "at rest"} == {*legend_texts(ax)}
 
 
@@ -768,6 +771,16 @@ def test_every_value_of_a_diagram_of_one_start_has_its_name_in_the_table():
     table = as_csv(draw(dataset, figure("bifurcation")), Path("crowd.csv")).splitlines()
     series = [dict(zip(table[0].split(","), row.split(","), strict=True)) for row in table[1:]]
     assert [row["series"] for row in series] == ["start: far"] * (6 * 12 + 6 * 2)
+
+
+def test_no_mark_among_dots_is_a_dot():
+    preloads = [10.0, 20.0, 30.0, 40.0, 50.0]
+    rows = [[0.01 * x + preload] for x in range(300) for preload in preloads]
+    axes = data.axes(Omega=np.linspace(0.5, 5.0, 300), N0=preloads)
+    dataset = data.response(np.full((300, 5), "periodic"), np.ones((300, 5)), axes, rows=rows)
+    (ax,) = draw(dataset, figure("bifurcation", x="Omega")).axes
+    keys = [line for line in ax.lines if not str(line.get_label()).startswith("_")]
+    assert len({line.get_marker() for line in keys} - {"."}) == 5
 
 
 def dots_of(drawn):
@@ -1506,8 +1519,28 @@ def test_several_variables_of_a_curve_are_named_in_its_legend():
     assert (top.get_ylabel(), below.get_ylabel()) == ("mine", r"$x_{\mathrm{rms}}$ (rad)")
     assert (top.get_xlabel(), below.get_xlabel()) == ("", r"disc speed $\Omega$ (rad/s)")
     assert top.get_ylim() == (0.0, 1.5) != below.get_ylim()
+    wanted["ylim"] = {"x_rms": (0.5, 2.5)}
+    top, below = draw(dataset, figure("curve", **wanted)).axes
+    assert below.get_ylim() == (0.5, 2.5) != top.get_ylim()
     with pytest.raises(UsageError, match="one variable"):
         draw(data.stability_map(), figure("map", variable=["L_s", "attractor"]))
+
+
+def test_marks_are_at_the_points_of_all_panels_or_of_none():
+    """Dashes take the room for marks in one of them alone."""
+    dataset = data.bifurcation()
+    for name, unit in (("x_rms", "1"), ("x_min", "1"), ("x_max", "m")):
+        dataset[name] = (len(name) * dataset["L_s"]).assign_attrs(units=unit, long_name=name)
+    dataset["x_min"] *= 2.0
+    few = draw(dataset, figure("curve", variable="x_max")).axes
+    panels = draw(dataset, figure("curve", variable=["x_rms", "x_min", "x_max"])).axes
+    assert [marked_lines(ax) > 0 for ax in (*few, *panels)] == [True, False, False]
+
+
+def marked_lines(ax):
+    """How many lines have a mark at each of their points."""
+    drawn = [line for line in ax.lines if np.isfinite(line.get_ydata()).sum() > 1]
+    return sum(line.get_marker() != "None" and line.get_markevery() is None for line in drawn)
 
 
 def test_variables_of_other_units_have_panels_of_their_own_above_each_other():
@@ -3996,6 +4029,11 @@ def test_harmonics_of_a_period_stand_where_they_are_and_not_in_the_middle_of_an_
     (word,) = draw(one, figure("spectrum", unit="rad/s")).axes[0].texts
     assert word.get_text() == rf"$\omega_1$ = {2 * np.pi * basic:.4g} rad/s"
     assert word.xy == pytest.approx((2 * np.pi * basic, 2e-3))
+    for log in (False, "y"):  # it stands within the panel
+        drawn = draw(one, figure("spectrum", log=log), look=look_of("paper", width=84.0))
+        drawn.draw_without_rendering()
+        (ax,) = drawn.axes
+        assert ax.texts[0].get_window_extent().y1 <= ax.bbox.y1 + 1.0
     np.testing.assert_array_equal(y, [0.0, 2e-3, np.nan, 0.0, 1e-3, np.nan])
     one["period"] = one["period"] * 0.0 + 2.0 / raster  # several harmonics in each interval
     assert draw(one, figure("spectrum")).axes[0].lines[0].get_xdata().size == heights.size

@@ -691,6 +691,9 @@ def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
     assert course.pace(40.0) == "40 s elapsed, 2.5 points/s, some 6 min to go"
     course = Course(101, [0.0, 20.0, 30.0], [0, 90, 100])
     assert course.pace(40.0) == "40 s elapsed, 3.3 points/s"  # the last should be there by now
+    course = Course(3170, [0.0, 60.0, 120.0], [0, 2000, 3000])
+    assert course.pace(121.0).endswith("17 points/s, some 9.2 s to go")
+    assert course.pace(127.0).endswith("17 points/s")  # none came for longer than would be left
     few = Course(1000, [0.0, 90.0], [0, 45])
     alike = "90 s elapsed, 0.5 points/s, some 32 min to go, were the others alike"
     assert few.pace(90.0) == alike

@@ -40,6 +40,9 @@ SHOWN = {
     "mode-shape": "shape",
 }
 
+# Kinds of figures of several panels -> the variables that these show.
+PANELS = {"eigenvalues": ("eigenvalue_real", "mode_frequency")}
+
 Held = Mapping[str, Sequence[Variable] | None]
 """Name of an analysis -> its variables; None where it does not suit the model."""
 
@@ -104,6 +107,7 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         _check_basin(figure, case, place, report)
     key = "y" if figure.kind == "curve" and "variable" not in figure.settings else "variable"
     names = _named(figure.settings.get(key, [])) if known else []
+    _check_limits(figure, names, (*place, "ylim"), report)
     shown = known
     if figure.kind in ("history", "phase"):
         shown = _moving(known)
@@ -137,6 +141,19 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         unasked = ["attractor"] if figure.kind == "basin" else _mapped(figure, held, ())
         first = sound if names else unasked
         _check_of_which(first, held, (*place, key), report)
+
+
+def _check_limits(figure: FigureSpec, names: Sequence[str], place: Path, report: Report) -> None:
+    """Note ranges of variables that no panel of a figure shows."""
+    limits = figure.settings.get("ylim")
+    shown = PANELS.get(figure.kind, names if figure.kind == "curve" else ())
+    for name in limits if isinstance(limits, dict) else ():
+        if not shown:
+            message = "a range for each variable is of a figure with a panel for each"
+            report.add(place, message, "[low, high], or variable = [...] of a curve")
+        elif name not in shown:
+            message = f"{name!r} is no variable of this figure"
+            report.unknown((*place, name), message, name, shown)
 
 
 def _check_levels(

@@ -58,6 +58,11 @@ LEVELS_SCHEMA = {
 }
 
 
+LIMITS_SCHEMA = {
+    "anyOf": [INTERVAL_SCHEMA, {"type": "object", "additionalProperties": INTERVAL_SCHEMA}]
+}
+
+
 SEVERAL_LAWS = (
     'several laws are an axis: write friction = ["coulomb", "stribeck"] under [grid]; '
     "parameters of one law stand under [friction.stribeck]"
@@ -112,6 +117,14 @@ Interval = Annotated[
 ]
 
 
+def check_limits(value: object) -> tuple[Any, Any] | dict[str, tuple[Any, Any]]:
+    """A range, or one for each variable of a table; ValueError for anything else."""
+    if isinstance(value, dict):
+        return {name: check_interval(one) for name, one in value.items()}
+    return check_interval(value)
+
+
+Limits = Annotated[Any, PlainValidator(check_limits), WithJsonSchema(LIMITS_SCHEMA)]
 Levels = Annotated[Any, PlainValidator(check_levels), WithJsonSchema(LEVELS_SCHEMA)]
 
 
@@ -416,8 +429,8 @@ class FigureTable(Table):
     )
     variable: str | list[str] | None = Field(
         default=None,
-        description="variable(s) to draw; curves of several units have a panel each, and ylim and "
-        "ylabel mean the first; a bifurcation shows section_value alone",
+        description="variable(s) to draw; curves of several units have a panel each, and ylabel "
+        "means the first; a bifurcation shows section_value alone",
     )
     select: dict[str, Wanted] = Field(
         default={}, description="axis or initial -> value, list of values or condition to draw"
@@ -446,7 +459,11 @@ class FigureTable(Table):
         description='logarithmic axes: true, "x", "y" or "xy"; "z": the shades of a map',
     )
     xlim: Interval | None = Field(default=None, description="range of x")
-    ylim: Interval | None = Field(default=None, description="range of y")
+    ylim: Limits | None = Field(
+        default=None,
+        description="range of y, of several panels that of the first; of a curve or eigenvalues, "
+        "for the panels of these variables, { period = [0, 0.1], L_s = [0, 1e-3] }",
+    )
     zlim: Interval | None = Field(default=None, description="map: range of its shades")
     xlabel: str | None = Field(default=None, description="label of x, in place of its own")
     zlabel: str | None = Field(

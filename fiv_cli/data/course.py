@@ -85,14 +85,16 @@ class Course:
     def left(self, now: float) -> float | None:
         """Seconds that the analysis still takes at this rate; None where nothing tells, or little.
 
-        So where it should be done by now: the rest takes longer than the points before.
+        So where more time has gone since points came last than would be left: the rest takes longer
+        than the points before.
         """
         rate = self.rate(now)
         if rate == 0.0 or (self._is_early and self._own(now) < YOUNG):
             return None
         points = self.total - self.later - self.done
-        left = points / rate - (now - self._judged(now))
-        return left if left > 0.0 or self.done >= self.total else None
+        waited = now - self._judged(now)
+        left = points / rate - waited
+        return left if left > waited or self.done >= self.total else None
 
     def _own(self, now: float) -> float:
         """Seconds since the analysis began."""

@@ -35,9 +35,13 @@ CROWD = 8  # values at one point of the grid; more are drawn smaller: their mark
 FINER = 0.3  # share of its size that a mark has in a crowd ...
 STILL_SEEN = 0.6  # ... and where it is undecided: upon a line of equilibria, too
 BAR = 0.4  # size of a dot times columns, in widths: the widest marks, one in another, are a bar
-APART = 1.6  # size of marks that stand apart, and ...
+SEEN_ON_LINES = 2.4  # size of dots that lines lead through, where columns have room for them ...
+FILLED = 0.75  # ... which is this share of it
+APART = 1.9  # size of marks that stand apart, and ...
 SHAPES = 24  # ... how many there are of one cloud from one side to the other
 DOTS_BETWEEN = 4  # marks, or more: at every second place they would look like another sort
+# Of the key of marks that stand among dots: these to both sides.
+AMONG_DOTS: dict[str, Any] = {"ls": (0, (0.01, 3.5)), "lw": 1.3, "dash_capstyle": "round"}
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
@@ -118,7 +122,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         _name_alone(ax.lines[before:marked], _start_of(first))
         if style.told_in([ax])[1] or points.gaps(first):  # a legend anyway
             ax.lines[before].set_label(_start_of(first))
-    points.dress([ax], shown, settings)
+    points.dress([ax], shown, [settings])
     return figure
 
 
@@ -269,11 +273,14 @@ def _mark(
     count, crowd = sum(one.y.size for one in clouds), sum(int(one.crowded.sum()) for one in clouds)
     many, size = count > style.MANY_MARKS, style.dot_size(columns, width)
     size *= style.finer(count - crowd)
+    room = style.POINTS * width / columns
+    are_bars = max(entry.number for entry in entries) > 0 and size > BAR * room
+    if are_bars:
+        entries, size = [*map(_no_dot, entries)], max(size, min(SEEN_ON_LINES, FILLED * room))
     sorts = 1 + max(entry.number for entry in entries)
-    are_bars = sorts > 1 and size * columns > BAR * style.POINTS * width
     apart = np.concatenate([one.sticking[~one.told] for one in clouds])
     resting = "at rest" if apart.any() else "steady sliding"
-    _name_sorts(ax, clouds, entries, APART if are_bars else size)
+    _name_sorts(ax, clouds, entries, APART if are_bars else size, among_dots=are_bars)
     pairs = [*zip(clouds, entries, strict=True)]
     for cloud, entry in pairs:
         if are_bars:
@@ -287,10 +294,20 @@ def _mark(
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
     if apart.size:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
+    _name_undecided(ax, pairs)
+
+
+def _name_undecided(ax: Axes, pairs: Sequence[tuple[_Cloud, points.Entry]]) -> None:
+    """Legend entry of what is pale."""
     colours = [style.pale(own.colour) for one, own in pairs if one.undecided.any()]
     if colours:
         halves: dict[str, Any] = {"fillstyle": "left", "mfcalt": colours[-1]}
         ax.plot([], [], "o", mew=0.0, color=colours[0], label=UNSETTLED, **halves)
+
+
+def _no_dot(entry: points.Entry) -> points.Entry:
+    """With a mark that is told from dots."""
+    return replace(entry, number=entry.number + (entry.number >= style.DOT_AMONG_MARKS))
 
 
 def _mark_finely(ax: Axes, cloud: _Cloud, entry: points.Entry, size: float, resting: str) -> None:
@@ -327,7 +344,7 @@ def _mark_some(
         if not label.startswith("_"):
             (key,) = ax.plot([], [])
             key.update_from(line)
-            key.set_label(label)
+            key.set(label=label, **AMONG_DOTS)
 
 
 def _seen(x: np.ndarray, settings: points.Settings) -> np.ndarray:
@@ -411,8 +428,8 @@ def _mark_rests(
         else {}
     )
     at_rest = points.unlisted(entry.label, resting)
-    ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest)
-    ax.plot(*rest, label=DECORATION, **look | around)
+    ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest, zorder=4.1)
+    ax.plot(*rest, label=DECORATION, zorder=4.1, **look | around)
     ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **look)
 
 
@@ -441,7 +458,11 @@ def _entries(clouds: Sequence[_Cloud]) -> list[points.Entry]:
 
 
 def _name_sorts(
-    ax: Axes, clouds: Sequence[_Cloud], entries: Sequence[points.Entry], size: float
+    ax: Axes,
+    clouds: Sequence[_Cloud],
+    entries: Sequence[points.Entry],
+    size: float,
+    among_dots: bool,
 ) -> None:
     """Legend entries of families, by their colours, and of starts, by their marks."""
     if any(not entry.label.startswith("_") for entry in entries):  # they name themselves
@@ -452,7 +473,8 @@ def _name_sorts(
     starts = {points.stem(cloud.start): entry.number for cloud, entry in pairs}
     for start, number in starts.items():
         look = _mark_of(start, number, len(starts), size)
-        ax.plot([], [], ls="none", color=style.BLACK, label=start, **look)
+        look |= AMONG_DOTS if among_dots else {"ls": "none"}
+        ax.plot([], [], color=style.BLACK, label=start, **look)
 
 
 def _mark_other_sections(

@@ -120,16 +120,20 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     entries = _entries(every, dashed)
     if dashed:
         _name_looks(axes[0], every, entries, dashed)
-    for place, (ax, own) in enumerate(zip(axes, panels, strict=True)):
-        lines = [(c, entry) for (at, c), entry in zip(drawn, entries, strict=True) if at == place]
+    of_panels: list[list[tuple[_Curve, points.Entry]]] = [[] for _ in panels]
+    for (place, curve), entry in zip(drawn, entries, strict=True):
+        of_panels[place].append((curve, entry))
+    most = max((_crowd(own) for n, own in enumerate(of_panels) if n not in bare), default=0)
+    own_settings = [points.of_panel(settings, n, own) for n, own in enumerate(panels)]
+    for ax, own, lines in zip(axes, panels, of_panels, strict=True):
         if not all(curve.of_crossings for curve, _ in lines):
             lines = [(curve.marked_as_others(), entry) for curve, entry in lines]
-        barred = _panel(ax, own, lines, numeric, points.is_logarithmic(settings, "y"))
+        barred = _panel(ax, own, lines, most, numeric, points.is_logarithmic(settings, "y"))
         told = [_told_by_bars(one.dataset, name) for name in own for one in along[name]]
         if barred and any(told):
             ax.plot([], [], color=style.BLACK, label=max(told, key=len), **ERROR_BAR)
     gaps = "undecided" if names == ["attractor"] else ""
-    points.dress(axes, _with_gaps(along), settings, gaps)
+    points.dress(axes, _with_gaps(along), own_settings, gaps)
     shown = [one.without(dashed) for one in every if one.is_known]
     style.add_notes(figure, [*_of_edges(parts), *points.of_many_lines(shown)])
     return figure
@@ -201,7 +205,7 @@ def _lines(
         for name in [name for name in own if number in parts[name]]:
             part, rest = parts[name][number], len(parts[name]) - len(along[name])
             curves = (
-                _curves(part, name, len(own) > 1, settings, sorts)
+                _curves(part, name, len(own) > 1, points.of_panel(settings, place, own), sorts)
                 if any(part is one for one in along[name])
                 else _of_branches(part, name, axis, rest > 1, bool(along[name]))
                 or _without_axis(part, name, _first(parts[name]).dataset, axis)
@@ -397,16 +401,27 @@ def _panels(variables: Mapping[str, xr.DataArray]) -> list[dict[str, xr.DataArra
     return list(panels.values())
 
 
+def _crowd(lines: Sequence[tuple[_Curve, points.Entry]]) -> int:
+    """The points of the longest line of a panel; more of them where dashes are to be seen."""
+    crowd = max((np.isfinite(c.y).sum() for c, _ in lines if not c.of_crossings), default=0)
+    looks = {(entry.colour, str(entry.dash)) for _, entry in lines}
+    dashes = {dash for _, dash in looks}
+    tell_more = len(looks) > len({colour for colour, _ in looks}) or len(dashes) > 2
+    return int(crowd) * (TO_SEE_DASHES if tell_more else 1)
+
+
 def _panel(
     ax: Axes,
     variables: Mapping[str, xr.DataArray],
     lines: Sequence[tuple[_Curve, points.Entry]],
+    most: int,
     numeric: bool,
     logarithmic: bool,
 ) -> bool:
     """The lines of some variables of one unit, against an axis that is `numeric` or of names.
 
-    Tells whether the ends of some error bars are seen.
+    `most` are the points of the longest line of a figure. Tells whether the ends of some error
+    bars are seen.
     """
     extent, barred = _extent([curve for curve, _ in lines], logarithmic), False
     classes = _is_of_classes(variables)
@@ -415,11 +430,6 @@ def _panel(
         dash = own[-1].dash if own[-1].x.size > 1 else "none"
         mark = {**own[0].mark, **({} if own[0].is_marked else {"marker": "None"})}
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
-    crowd = max((np.isfinite(c.y).sum() for c, _ in lines if not c.of_crossings), default=0)
-    looks = {(entry.colour, str(entry.dash)) for _, entry in lines}
-    dashes = {dash for _, dash in looks}
-    if len(looks) > len({colour for colour, _ in looks}) or len(dashes) > 2:
-        crowd *= TO_SEE_DASHES  # which tell what colours do not, or are of more than two sorts
     lies_below, framed = any(not curve.sort for curve, _ in lines), False
     for place, (curve, entry) in enumerate(lines):
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
@@ -427,13 +437,13 @@ def _panel(
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
-        most = 0 if curve.of_crossings else int(crowd)
+        room_for = 0 if curve.of_crossings else most
         if not apart:
             framed |= _frame_hidden(ax, curve, entry, [other for other, _ in lines[place + 1 :]])
         if lies_below and curve.sort and curve.dash == "-":
             curve = replace(curve, mark={**curve.mark, "lw": _width(BRANCH)})
-        for named in _each_named(ax, curve, entry, apart, most):
-            _plot(ax, curve, shift, named, apart, most, upon)
+        for named in _each_named(ax, curve, entry, apart, room_for):
+            _plot(ax, curve, shift, named, apart, room_for, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
     if framed:
         ax.plot([], [], color=style.BLACK, label=FRAMED, **FRAME)

@@ -55,17 +55,18 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     if settings.get("unit") == "rad/s":
         dataset = dataset.assign({PARTS[1]: _angular(dataset[PARTS[1]])})
     figure, axes = style.new_panels(2, 1, points.title(dataset), sharex=True)
-    for ax, name in zip(axes, PARTS, strict=True):
+    own = [points.of_panel(settings, number, [name]) for number, name in enumerate(PARTS)]
+    for ax, name, of_panel in zip(axes, PARTS, own, strict=True):
         _panel(ax, dataset, name, axis)
         ax.set_ylabel(labels.axis_label(dataset[name]))
-        points.scale(ax, settings if ax is axes[0] else points.of_further_panels(settings))
+        points.scale(ax, of_panel)
         points.reach(ax, axis)
         _mark_mergers(ax, dataset, axis)
     axes[0].axhline(
         0.0, color=style.GREY, lw=0.8, zorder=1.8, label=DECORATION
     )  # under growth of 0
     points.dress_axis(axes[1], axis, "x")
-    points.mark_gaps(axes, layers, settings)
+    points.mark_gaps(axes, layers, own[-1])
     points.legend(axes)
     return figure
 

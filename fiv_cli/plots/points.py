@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypedDict
 
@@ -59,7 +59,7 @@ class Settings(TypedDict, total=False):
     overlay: bool
     log: bool | str
     xlim: tuple[float | str, float | str]
-    ylim: tuple[float | str, float | str]
+    ylim: tuple[float | str, float | str] | Mapping[str, tuple[float | str, float | str]]
     zlim: tuple[float | str, float | str]
     xlabel: str
     zlabel: str
@@ -294,11 +294,15 @@ def _leave_out(ax: Axes, logarithmic: Sequence[int]) -> None:
         ax.plot([], [], ls="none", color=style.BLACK, label=f"{LEFT_OUT}: {count}")
 
 
-def of_further_panels(settings: Settings) -> Settings:
-    """The settings for panels that show another quantity than the first."""
-    kept = settings.copy()
+def of_panel(settings: Settings, number: int, names: Iterable[str]) -> Settings:
+    """The settings for one of several panels, which shows these variables."""
+    kept, limits = settings.copy(), settings.get("ylim")
+    if isinstance(limits, Mapping):
+        limits = next((limits[name] for name in names if name in limits), None)
+    elif number:
+        limits = None
     kept.pop("ylim", None)
-    return kept
+    return {**kept, "ylim": limits} if limits else kept
 
 
 def relabel(figure: Figure, settings: Settings) -> None:
@@ -535,17 +539,20 @@ def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
 
 
 def dress(
-    axes: Sequence[Axes], layers: Sequence[Layer], settings: Settings, told: str = ""
+    axes: Sequence[Axes], layers: Sequence[Layer], own: Sequence[Settings], told: str = ""
 ) -> None:
-    """What panels above each other share: axis, gaps but for the one told, a legend."""
-    axis = abscissa(layers[0].dataset, settings)
+    """What panels above each other share: axis, gaps but for the one told, a legend.
+
+    Each of them has settings of its `own`.
+    """
+    axis = abscissa(layers[0].dataset, own[0])
     dress_axis(axes[-1], axis, "x")
-    for ax in axes:
-        scale(ax, settings if ax is axes[0] else of_further_panels(settings))
+    for ax, settings in zip(axes, own, strict=True):
+        scale(ax, settings)
         if ax.get_autoscaley_on():
             style.level(ax)
         reach(ax, axis)
-    mark_gaps(axes, layers, settings, told)
+    mark_gaps(axes, layers, own[-1], told)
     legend(axes)
 
 
@@ -602,7 +609,7 @@ def mark_gaps(
     place: Any = (0.0, 0.0), 1.0, step * len(looks)
     strip = Rectangle(*place, transform=ax.transAxes, fc=STRIP, ec="none", label=DECORATION)
     ax.add_patch(strip)
-    if "ylim" not in settings or ax is not axes[0]:
+    if "ylim" not in settings:
         _make_room_below(ax, step * (len(looks) + 1))  # marks of values reach below these
         strip.set_zorder(1.6)  # over the grid
     elif _is_used_below(ax, step * len(looks)):

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.text import Annotation
 
 FREQUENCIES = {"Hz": ("f", "Hz"), "rad/s": (r"\omega", "rad/s")}  # symbol, unit
 STEADY, GROWING = "amplitude", "unstable_frequency"
@@ -149,6 +150,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     colours = style.line_colours(len(lines))
     ax.set_xlim(0.0, dataset["frequency"].values[-1] * factor_of(settings))
     points.scale(ax, settings)  # before the lines are drawn: the foot of an upright is no value
+    written: Annotation | None = None
     for number, (line, colour) in enumerate(zip(lines, colours, strict=True)):
         frequency, height = _shape(dataset.isel(line.index))
         width = 0.8 * (1 + (len(lines) - 1 - number) / len(lines))  # one is seen behind another
@@ -157,7 +159,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         label = points.joined(line.label, words) if len(lines) > 1 else line.label
         ax.plot(x, height, color=colour, label=label, lw=width, solid_capstyle="butt")
         if words and len(lines) == 1:  # words of several would lie on one another
-            ax.annotate(
+            written = ax.annotate(
                 words, (x[place], height[place]), (0.0, 2.0), textcoords="offset points",
                 color=colour, fontsize=mpl.rcParams["legend.fontsize"], path_effects=levels.HALO,
             )  # fmt: skip
@@ -168,7 +170,20 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(labels.axis_label(dataset[STEADY]))
     points.legend([ax])
+    if written and "ylim" not in settings:
+        _make_room_for(ax, written)
     return figure
+
+
+def _make_room_for(ax: Axes, written: Annotation) -> None:
+    """Let the ordinate reach over words that stand at a point of a line."""
+    ax.figure.figure.draw_without_rendering()  # panels and words have their sizes then
+    foot, top = ax.bbox.y0, ax.bbox.y1
+    point = ax.transData.transform(written.xy)[1]
+    higher = (point - foot) / (top - foot - (written.get_window_extent().y1 - point))
+    if higher > 1.0:
+        reach = ax.transData.inverted().transform((0.0, foot + higher * (top - foot)))[1]
+        ax.set_ylim(top=float(reach))
 
 
 def _fundamental(

@@ -58,6 +58,7 @@ MARKS = (
     *(("o", 2.4), ("+", 1.9), ("s", 1.8), (".", 2.0)),
     *(("^", 2.2), ("x", 1.5), ("v", 2.2), ("D", 1.6)),
 )
+DOT_AMONG_MARKS = [marker for marker, _ in MARKS].index(".")
 LINES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 COLOUR_ALONE: dict[str, Any] = {"lw": 5.0, "solid_capstyle": "butt"}  # a key that is no mark
 DASHES = ("-", "--", "-.", (0, (5, 1.5, 1, 1.5, 1, 1.5)))
