@@ -160,6 +160,28 @@ def test_at_any_damping_a_branch_of_stick_slip_goes_on_to_the_equilibrium() -> N
     assert found["cycle_end"].values[is_rest] == pytest.approx(hopf, abs=1e-6)
 
 
+def test_what_leads_to_a_corner_is_no_part_of_the_way_from_it() -> None:
+    """At some dampings the stable part came twice, and `stable_highest` was the Hopf point."""
+    cycle = {
+        "kind": "cycle", "section": {"zero": "x_dot", "direction": "down"}, "observe": "x",
+        "parameter": "v", "bracket": [0.3, 8.0], "width": 1e-8,
+    }  # fmt: skip
+    case = {
+        "schema": 1,
+        "model": {"name": "belt-1dof", "parameters": {"N": 10.0, "v": 0.4}},
+        "friction": {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "delta": 1.0},
+        "grid": {"c": [1.0, 1.001]},
+        "analysis": [cycle],
+    }
+    found = api.run(api.load(case), workers=1)
+    np.testing.assert_allclose(found["stable_highest"][:, 0], [0.7225278312, 0.7218071743], 1e-7)
+    stable = api.names_of(found["branch_stable"]).values == "stable"
+    for number in (0, 1):
+        own = found["branch_point"].values == number
+        rising = np.diff(found["branch_value"].values[own]) > 0.0
+        np.testing.assert_array_equal(rising[:-1], stable[own][1:-1])  # there, and back from it
+
+
 @pytest.mark.parametrize("bracket", [(0.01, 10.0), (1.0, 2.5), (1.6, 1.9)])
 def test_a_branch_leads_to_the_corner_it_is_gone_on_from_in_steps(
     bracket: tuple[float, float],

@@ -748,10 +748,13 @@ def _way_from(line: Continuation, here: Point, there: Point) -> list[Point]:
     if there.cycle.signature == here.cycle.signature:
         return []
     back, ends = follow(line, _reversed(there), most=AROUND, round_corners=False)
+    before = [there, *back]
+    if len(ends) > 1:  # it went on beyond
+        before = before[: 1 + next((n for n, one in enumerate(before) if one is ends[0].last), 0)]
     begins_here = ends[0].kind == GRAZING and (
-        abs(ends[0].value - here.value) <= MEETING * line.span or _meet(here, [there, *back][-1])
+        abs(ends[0].value - here.value) <= MEETING * line.span or _meet(here, before[-1])
     )
-    return [*map(_reversed, reversed(back)), there] if begins_here else []
+    return [*map(_reversed, reversed(before[1:])), there] if begins_here else []
 
 
 def _meet(one: Point, other: Point) -> bool:
