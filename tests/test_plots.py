@@ -403,13 +403,15 @@ def test_a_rest_of_all_starts_is_seen_inside_their_mark():
     dataset["attractor"][:] = data.codes(data.ATTRACTORS, "equilibrium")
     dataset = dataset.drop_dims("section_obs").assign(
         section_row_size=dataset["section_row_size"] * 0,
-        section_value=("section_obs", [], data.bifurcation()["section_value"].attrs),
+        section_value=("section_obs", [0.5, 0.5], data.bifurcation()["section_value"].attrs),
         phi_max=dataset["L_s"] * 0.0 + 1.0,
     )
+    dataset["section_row_size"][0, :] = 1  # of motions that do not rest
+    dataset["attractor"][0, :] = data.codes(data.ATTRACTORS, "periodic")
     (ax,) = draw(dataset, figure("bifurcation")).axes
     drawn = [line for line in ax.lines if len(line.get_xdata())]
     (square,) = [line for line in drawn if line.get_marker() == "s"]
-    (around,) = [line for line in drawn if line.get_marker() == "D"]
+    (around,) = [line for line in drawn if (line.get_marker(), line.get_mfc()) == ("D", "none")]
     assert around.get_markerfacecolor() == "none"
     assert around.get_markersize() > 1.5 * square.get_markersize()
 
@@ -816,6 +818,36 @@ def test_a_point_at_rest_is_a_square_in_the_mark_of_its_start():
         assert to_hex(key.get_color()) == to_hex(squares[0].get_color())
         own = {line.get_marker() for line in ax.lines if line.get_label() == "near"}
         assert own <= {line.get_marker() for line in rest} | {"."}
+
+
+def test_where_all_rest_there_are_no_squares():
+    """The axis says it; the dots of very many are finer."""
+    starts = [f"box-{n:03d}" for n in range(200)]
+    shape, axes = (20, 200), data.axes(Omega=np.linspace(0.5, 5.0, 20), initial=starts)
+    dataset = data.response(np.full(shape, "equilibrium"), np.ones(shape), axes, rows=[[]] * 4000)
+    places = np.random.default_rng(1).normal(size=shape)
+    dataset["phi_max"] = ("Omega", "initial"), places, {"units": "rad"}
+    (ax,) = draw(dataset, figure("bifurcation")).axes
+    assert "at rest" in ax.get_ylabel() and "at rest" not in legend_texts(ax)
+    shown = [line for line in ax.lines if len(line.get_xdata())]
+    assert {line.get_marker() for line in shown} == {"."}
+    few = draw(dataset.isel(initial=slice(3)), figure("bifurcation"))
+    assert max(map(drawn_size, shown)) < 0.8 * marked(few)
+
+
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+@pytest.mark.parametrize("ended", ["contact_lost", "diverged"])
+def test_motions_that_ended_stand_among_the_gaps(kind, ended):
+    dataset = data.bifurcation()
+    codes = {name: code for code, name in flag_names(dataset["attractor"].attrs).items()}
+    dataset["attractor"][dataset["Omega"].values > 4.0, 1] = codes[ended]
+    wanted = {"variable": "L_s"} if kind == "curve" else {}
+    (ax,) = draw(dataset, figure(kind, **wanted)).axes
+    word = ended.replace("_", " ")
+    (strip,) = [line for line in ax.lines if str(line.get_label()).startswith(word)]
+    assert (strip.get_xdata() > 4.0).all() and len(strip.get_xdata()) == 10
+    (ax,) = draw(dataset, figure("curve", variable="attractor")).axes
+    assert not [line for line in ax.lines if str(line.get_label()).startswith(word)]
 
 
 def test_colours_tell_families_and_marks_the_rest():
@@ -2802,7 +2834,13 @@ def test_a_map_has_lines_of_another_case_on_points_of_its_own(tmp_path, monkeypa
     drawn = draw(response, wanted)
     x, y = on_the_lines(drawn).T
     assert y == pytest.approx(4.0 * x)
-    assert "fine:growth rate = 0 rad/s" in legend_texts(drawn)
+    assert "growth rate = 0 rad/s" in legend_texts(drawn)
+    called = {"fine:growth_rate": "growth of sliding"}
+    drawn = draw(response, figure("map", **wanted.settings, words=called))
+    assert "growth of sliding = 0 rad/s" in legend_texts(drawn)
+    both = {"fine:growth_rate": 0.0, "growth_rate": 1.0}
+    drawn = draw(with_growth(), figure("map", variable="attractor", level=both))
+    assert {*legend_texts(drawn)} >= {"fine:growth rate = 0 rad/s", "growth rate = 1 rad/s"}
     with pytest.raises(UsageError, match=r"no variable of runs/fine\.nc"):
         draw(response, figure("map", variable="attractor", level={"fine:stable": 0.0}))
     several = xr.concat([fine.expand_dims(initial=[n], axis=2) for n in "ab"], "initial")

@@ -120,7 +120,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     style.add_notes(figure, notes)
     if not clouds[0].label:
         _name_alone(ax.lines[before:marked], _start_of(first))
-        if style.told_in([ax])[1] or points.gaps(first):  # a legend anyway
+        if style.told_in([ax])[1] or points.gaps(first) or points.ended(first):  # a legend anyway
             ax.lines[before].set_label(_start_of(first))
     points.dress([ax], shown, [settings])
     return figure
@@ -265,20 +265,20 @@ def _mark(
     """Marks that show through one another: what comes first is the widest.
 
     Points at rest have a black square in their mark, since its colour tells something else; not
-    those on lines of equilibria, which say so. An equilibrium at which no contact sticks is no rest
-    of what slides. Where marks of so many columns, in a figure so wide (inches), would be bars,
-    there are dots, and marks on some of them.
+    those on lines of equilibria, which say so, nor where all rest, as the axis says. An equilibrium
+    at which no contact sticks is no rest of what slides. Where marks of so many columns, in a
+    figure so wide (inches), would be bars, there are dots, and marks on some of them.
     """
     entries = _entries(clouds)
     count, crowd = sum(one.y.size for one in clouds), sum(int(one.crowded.sum()) for one in clouds)
     many, size = count > style.MANY_MARKS, style.dot_size(columns, width)
-    size *= style.finer(count - crowd)
+    size *= style.finer(count - crowd + sum(one.rest_y.size for one in clouds))
     room = style.POINTS * width / columns
     are_bars = max(entry.number for entry in entries) > 0 and size > BAR * room
     if are_bars:
         entries, size = [*map(_no_dot, entries)], max(size, min(SEEN_ON_LINES, FILLED * room))
     sorts = 1 + max(entry.number for entry in entries)
-    apart = np.concatenate([one.sticking[~one.told] for one in clouds])
+    apart, squares = np.concatenate([one.sticking[~one.told] for one in clouds]), count > 0
     resting = "at rest" if apart.any() else "steady sliding"
     _name_sorts(ax, clouds, entries, APART if are_bars else size, among_dots=are_bars)
     pairs = [*zip(clouds, entries, strict=True)]
@@ -287,12 +287,12 @@ def _mark(
             _mark_finely(ax, cloud, entry, size, resting)
         else:
             _mark_values(ax, cloud, entry, size, sorts, many)
-            _mark_rests(ax, cloud, entry, size, sorts, resting)
+            _mark_rests(ax, cloud, entry, size, sorts, resting, squares)
     if are_bars:
-        _mark_some(ax, pairs, sorts, resting, settings)
+        _mark_some(ax, pairs, sorts, resting, settings, squares)
     for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
-    if apart.size:
+    if apart.size and squares:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
     _name_undecided(ax, pairs)
 
@@ -325,6 +325,7 @@ def _mark_some(
     sorts: int,
     resting: str,
     settings: points.Settings,
+    squares: bool,
 ) -> None:
     """Marks of clouds at places in turn, as far apart as they are seen as such, and their keys."""
     before = len(ax.lines)
@@ -337,7 +338,7 @@ def _mark_some(
         chosen = _spread(_along(places, settings), apart, turn * apart / len(pairs))
         own = _at(cloud, places[chosen]) if places.size else cloud
         _mark_values(ax, own, entry, APART, sorts, many=False)
-        _mark_rests(ax, own, entry, APART, sorts, resting)
+        _mark_rests(ax, own, entry, APART, sorts, resting, squares)
     for line in ax.lines[before:]:
         label = str(line.get_label())
         line.set_label(DECORATION)  # a table has these values as dots
@@ -416,20 +417,32 @@ def _mark_crowds(
 
 
 def _mark_rests(
-    ax: Axes, cloud: _Cloud, entry: points.Entry, size: float, sorts: int, resting: str
+    ax: Axes,
+    cloud: _Cloud,
+    entry: points.Entry,
+    size: float,
+    sorts: int,
+    resting: str,
+    squares: bool,
 ) -> None:
-    """The points at rest of one cloud, with a square in their mark where no line tells of them."""
+    """The points at rest of one cloud, with `squares` in their mark where no line tells of them."""
     rest, on_line = ((cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told))
     mark = _mark_of(cloud.start, entry.number, sorts, size)
     look = mark | {"color": entry.colour, "ls": "none"}
-    around = (
-        {"ms": 1.9 * size, "mfc": "none", "mew": 0.25 * size}
-        if cloud.start in points.SHARED
-        else {}
-    )
+    around: dict[str, Any] = {"ms": 1.9 * size, "mfc": "none", "mew": 0.25 * size}
     at_rest = points.unlisted(entry.label, resting)
-    ax.plot(*rest, "s", ms=size, mew=0.0, color=style.BLACK, label=at_rest, zorder=4.1)
-    ax.plot(*rest, label=DECORATION, zorder=4.1, **look | around)
+    if squares:
+        square: dict[str, Any] = {
+            "marker": "s",
+            "ms": size,
+            "mew": 0.0,
+            "ls": "none",
+            "color": style.BLACK,
+        }
+        ax.plot(*rest, label=at_rest, zorder=4.1, **square)
+        at_rest = DECORATION
+    rings = around if squares and cloud.start in points.SHARED else {}
+    ax.plot(*rest, label=at_rest, zorder=4.1, **look | rings)
     ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **look)
 
 

@@ -132,7 +132,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         told = [_told_by_bars(one.dataset, name) for name in own for one in along[name]]
         if barred and any(told):
             ax.plot([], [], color=style.BLACK, label=max(told, key=len), **ERROR_BAR)
-    gaps = "undecided" if names == ["attractor"] else ""
+    gaps = ("undecided", *points.ended(layers[0].dataset)) if names == ["attractor"] else ()
     points.dress(axes, _with_gaps(along), own_settings, gaps)
     shown = [one.without(dashed) for one in every if one.is_known]
     style.add_notes(figure, [*_of_edges(parts), *points.of_many_lines(shown)])

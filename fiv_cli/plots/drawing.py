@@ -29,7 +29,7 @@ from fiv_cli.plots import (
     style,
 )
 from fiv_cli.plots import map as map_
-from fiv_cli.plots.labels import name_of, title_of, value_label
+from fiv_cli.plots.labels import has_symbol, name_of, quantity, title_of, value_label
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
 from fiv_cli.reading.datasets import analysis_of, figures_in, is_class, read_analyses
@@ -260,10 +260,19 @@ def draw(
         return drawn
 
 
-def _called(words: Collection[str], layers: Sequence[points.Layer]) -> dict[str, str]:
-    """What a figure calls those of some words that are names of variables."""
+def _called(words: Collection[str], layers: Sequence[points.Layer]) -> dict[str, tuple[str, ...]]:
+    """What a figure calls those of some words that are names of variables: at axes, and levels."""
     every = [dataset for one in layers for dataset in (one.dataset, *one.beside)]
-    return {word: name_of(one[word]) for word in words for one in every if word in one.data_vars}
+    known = {word: one[word] for word in words for one in every if word in one.data_vars}
+    return {
+        word: (name_of(own), *_in_words(own, word.rpartition(":")[2]))
+        for word, own in known.items()
+    }
+
+
+def _in_words(variable: xr.DataArray, name: str) -> list[str]:
+    """What levels of a variable are called; nothing where several may have its symbol."""
+    return [] if has_symbol(variable, name) else [quantity(variable, name)]
 
 
 def _names_of_starts(layers: Sequence[points.Layer]) -> set[str]:

@@ -215,7 +215,10 @@ def _lines(
             line = _critical(_holding(layer, name), planes, name, own, next(styles[False]))
             found.append(line)
         elif own:
-            over = planes if is_own else _beside(layer, planes, name)
+            alone = name.rpartition(":")[2]
+            plain = [one.rpartition(":")[2] for one in (str(planes.array.name), *wanted)]
+            shown = alone if plain.count(alone) == 1 else name
+            over = planes if is_own else _beside(layer, planes, name, shown)
             levels.refuse_class(over.array)
             found.append(_Lines(over, own, [*islice(styles[is_own], len(own))], is_own))
     return found
@@ -258,8 +261,10 @@ def _holding(layer: points.Layer, name: str) -> xr.Dataset:
     return dataset
 
 
-def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
+def _beside(layer: points.Layer, planes: _Planes, name: str, shown: str) -> _Planes:
     """The planes of another variable, of any analysis of the case, under the panels of a map.
+
+    Legends have it as `shown`.
 
     Raises
     ------
@@ -275,7 +280,8 @@ def _beside(layer: points.Layer, planes: _Planes, name: str) -> _Planes:
     further = [str(dim) for dim in dims if dim not in {*planes.dims, *panels}]
     single = levels.at_the_map(name, dataset, planes.dataset, further)
     x, y = (select.axis_of(single, str(axis.name)) for axis in planes.axes)
-    return _Planes(single, single[name], (x, y), planes.panels)
+    single = single.rename({name: shown} if shown != name else {})
+    return _Planes(single, single[shown], (x, y), planes.panels)
 
 
 def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypedDict
 
@@ -16,6 +16,7 @@ from matplotlib.ticker import FixedLocator
 
 from fiv_cli.case.overrides import parse_override
 from fiv_cli.errors import EmptyFigureError, UsageError
+from fiv_cli.flags import ENDED_EARLY
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, style
 from fiv_cli.plots.drawn import DECORATION, LEFT_OUT
@@ -518,6 +519,15 @@ def gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {name: mask & selected for name, mask in kinds.items() if bool((mask & selected).any())}
 
 
+def ended(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Class of motions that came to no steady state -> the points that have it."""
+    if "attractor" not in dataset:
+        return {}
+    selected = ~dataset.get(NOT_SELECTED, dataset["status"] < 0)
+    kinds = {name: is_class(dataset["attractor"], (name,)) & selected for name in ENDED_EARLY}
+    return {name.replace("_", " "): mask for name, mask in kinds.items() if bool(mask.any())}
+
+
 def alone(known: np.ndarray) -> np.ndarray:
     """Which points of a line are known, and neither of their neighbours: no line leads there."""
     beside = np.pad(known, 1)
@@ -539,9 +549,12 @@ def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
 
 
 def dress(
-    axes: Sequence[Axes], layers: Sequence[Layer], own: Sequence[Settings], told: str = ""
+    axes: Sequence[Axes],
+    layers: Sequence[Layer],
+    own: Sequence[Settings],
+    told: Collection[str] = (),
 ) -> None:
-    """What panels above each other share: axis, gaps but for the one told, a legend.
+    """What panels above each other share: axis, gaps but for those told, a legend.
 
     Each of them has settings of its `own`.
     """
@@ -565,6 +578,8 @@ GAP_MARKS = {
     "undecided": ("x", "#777777"),
     "failed": ("X", style.BLACK),
     "budget": ("v", "#777777"),
+    "contact lost": ("^", style.BLACK),
+    "diverged": ("P", style.BLACK),
     "not reached": ("|", "#777777"),
     "not computed": ("2", style.GREY),
     "pending": ("1", style.GREY),
@@ -585,11 +600,14 @@ def colours(axes: Sequence[Axes]) -> dict[str, ColorType]:
 
 
 def mark_gaps(
-    axes: Sequence[Axes], layers: Sequence[Layer], settings: Settings, told: str = ""
+    axes: Sequence[Axes],
+    layers: Sequence[Layer],
+    settings: Settings,
+    told: Collection[str] = (),
 ) -> None:
     """Marks on a strip along the lower edge of the last panel where points have no answer.
 
-    None of the kind that is `told` otherwise. Of a few among several lines each has a row, in its
+    None of the kinds that are `told` otherwise. Of a few among several lines each has a row, in its
     own colour.
     """
     ax = axes[-1]
@@ -632,16 +650,16 @@ def _by_look(
 
 
 def _gap_rows(
-    layers: Sequence[Layer], settings: Settings, told: str
+    layers: Sequence[Layer], settings: Settings, told: Collection[str]
 ) -> dict[tuple[str, str], np.ndarray]:
     """Kind of gap, whose it is -> where; of too many lines they are nobody's."""
     found = [
         (name, whose, positions(axis)[where])
         for layer in layers
         for axis in [abscissa(layer.dataset, settings)]
-        for name, mask in gaps(layer.dataset).items()
+        for name, mask in (gaps(layer.dataset) | ended(layer.dataset)).items()
         for whose, where in _rows(mask, str(axis.dims[0]), layer.label)
-        if name != told
+        if name not in told
     ]
     many = len({(name, whose) for name, whose, _ in found}) > MOST_GAP_ROWS
     rows: dict[tuple[str, str], np.ndarray] = {}

@@ -237,7 +237,9 @@ _LOOK: ContextVar[Look] = ContextVar("_LOOK", default=SCREEN)
 _WORDS: ContextVar[Mapping[str, str] | None] = ContextVar("_WORDS", default=None)
 """What stands in texts -> what to write in its place."""
 
-_CALLED: ContextVar[Mapping[str, str]] = ContextVar("_CALLED", default=MappingProxyType({}))
+_CALLED: ContextVar[Mapping[str, Sequence[str]]] = ContextVar(
+    "_CALLED", default=MappingProxyType({})
+)
 """Name of a variable -> what it is called in figures."""
 
 _STARTS: ContextVar[AbstractSet[str]] = ContextVar("_STARTS", default=frozenset())
@@ -263,7 +265,7 @@ def looks(
     axis: Axes | None = None,
     look: Look | None = None,
     words: Mapping[str, str] | None = None,
-    called: Mapping[str, str] = MappingProxyType({}),
+    called: Mapping[str, Sequence[str]] = MappingProxyType({}),
     starts: AbstractSet[str] = frozenset(),
 ) -> Iterator[None]:
     """The settings above over matplotlib's own defaults, whatever the user's configuration.
@@ -307,7 +309,7 @@ def worded(text: str) -> str:
         for word in own
         for form in (
             *(word, labels.with_symbols(word), re.sub(r"(?<=[a-z]) (?=\d+$)", " = ", word)),
-            _CALLED.get().get(word, word),
+            *_CALLED.get().get(word, ()),
         )
     }
     longest = "|".join(map(_matched, sorted(spelt, key=len, reverse=True)))
