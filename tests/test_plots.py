@@ -2669,7 +2669,7 @@ def test_levels_on_steep_lines_are_all_written_upwards():
         response["L_s"].values[:] = (x[:, None] + lean * y)[..., None]
         drawn = draw(response, figure("map", variable="L_s", level=[3.0, 5.0, 7.0]))
         turned = [text.get_rotation() for text in drawn.axes[0].texts]
-        assert len(turned) >= 3 and all(60.0 < angle < 120.0 for angle in turned)
+        assert len(turned) >= 3 and all(60.0 < angle < 111.0 for angle in turned)  # none overhead
 
 
 def test_a_level_is_written_where_its_line_is_straight_and_no_other_is_near(tmp_path, monkeypatch):

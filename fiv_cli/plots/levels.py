@@ -38,7 +38,7 @@ ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 # far, from best to least; where that leaves no room, a line of another level that is still nearer
 # is one with it.
 CLEAR, ALIKE = (2.0, 1.4, 1.0), (0.4,)
-DOWNWARD = -60.0  # degrees: what would be written more steeply down is written up, as most is
+DOWNWARD = -70.0  # degrees: what would be written more steeply down is written up, as most is
 MOST_WRITTEN = 4  # times each of several levels: on its longest lines, not on each island
 WIDEST = 0.16  # of a panel: levels that take more hide what they name, and the legend tells them
 TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
