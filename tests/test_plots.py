@@ -2617,6 +2617,14 @@ def test_lines_at_levels_of_several_maps_lie_in_one_panel():
     assert ax.get_ylabel() == "normal preload $N_0$ (N)"
 
 
+def test_of_several_levels_the_line_at_zero_is_the_one_without_dashes():
+    response = with_growth()["response"]
+    response["L_s"].values[:] = response["Omega"].values[:, None, None] - 2.0
+    drawn = draw(response, figure("map", variable="L_s", level=[-1.0, 0.0, 1.0, 2.0]))
+    keys = [key for key in drawn.legends[0].get_lines() if key.get_linestyle() != "None"]
+    assert [key.get_linestyle() for key in keys] == ["--", "-", ":", "-."]
+
+
 def test_lines_of_a_map_have_their_levels_written_on_them():
     dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
     levels = {"variable": "L_s", "level": [1e-3, 2e-4]}

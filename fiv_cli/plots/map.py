@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any
@@ -220,8 +220,15 @@ def _lines(
             shown = alone if plain.count(alone) == 1 else name
             over = planes if is_own else _beside(layer, planes, name, shown)
             levels.refuse_class(over.array)
-            found.append(_Lines(over, own, [*islice(styles[is_own], len(own))], is_own))
+            found.append(_Lines(over, own, _dashes(own, styles[is_own]), is_own))
     return found
+
+
+def _dashes(wanted: Sequence[float], styles: Iterator[Any]) -> list[Any]:
+    """A style for each level from low to high; the least dashed for zero, where signs change."""
+    own = [*islice(styles, len(wanted))]
+    at = wanted.index(0.0) if 0.0 in wanted else 0
+    return [own[at], *own[1:at], own[0], *own[at + 1 :]] if at else own
 
 
 def _is_written_on(drawn: tuple[_Lines | CriticalLines, str]) -> bool:
