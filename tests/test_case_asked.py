@@ -205,6 +205,11 @@ def test_what_will_be_there(text: str) -> None:
             'write variable = "F_T", contact = 1',
         ),
         (
+            figure('kind = "history"', 'variable = "F_T"') + '[[analysis]]\nkind = "equilibrium"\n',
+            "figure.0.variable",
+            '[[analysis]] kind = "history" or "characteristic" computes it',
+        ),
+        (
             of_two(claim("F_N2", "{ less_than = 1 }") + '[[analysis]]\nkind = "equilibrium"\n'),
             "claim.0.variable",
             'write variable = "F_N", at = { contact = 2 }',

@@ -1500,7 +1500,24 @@ def test_numbers_taken_over_undecided_points_are_marked_on_a_map():
     assert any(text.endswith("= 0.6, at least and at most") for text in legend_texts(drawn))
     settings = {"variable": "L_s", "take": {"what": "greatest", "over": ["initial"]}}
     (why,) = legend_texts(draw(dataset, figure("map", **settings)))[-1:]
-    assert why.startswith("no value: ") and why.endswith("undecided points")
+    assert why.startswith("no value: ") and why.endswith(", undecided")
+
+
+def test_what_is_filled_in_as_undecided_is_not_said_not_to_be_computed():
+    """Of what is taken over it, for one; and once."""
+    dataset = data.stability_map()
+    statuses = {name: code for code, name in flag_names(dataset["status"].attrs).items()}
+    was_run = dataset["status"].copy(data=np.zeros(dataset["status"].shape, np.int8))
+    named = {"flag_values": np.array([0, 1], np.int8), "flag_meanings": "run filled_in"}
+    dataset["computed"] = was_run.assign_attrs(named)
+    dataset["attractor"][3, 5], dataset["attractor"][-3:, -2:] = (
+        data.codes(data.ATTRACTORS, name) for name in ("undecided", "periodic")
+    )
+    dataset["status"][-3:, -2:] = statuses["ok"]
+    dataset["status"][3, 5], dataset["computed"][3, 5] = statuses["not_computed"], 1
+    take = {"what": "classes", "over": ["initial"]}
+    (why,) = legend_texts(draw(dataset, figure("map", variable="attractor", take=take)))[-1:]
+    assert why == "no value: undecided"
 
 
 def test_hollow_values_are_named_and_keys_have_the_one_colour_that_they_stand_for():

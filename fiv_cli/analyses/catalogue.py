@@ -88,10 +88,13 @@ def named(name: str) -> Variable:
     return known.get(name) or known.get(f"state_{ending}") or plain
 
 
-def computed_by(name: str) -> str:
-    """Which kinds of analyses compute a variable, as a hint; "" where none has one of this name."""
-    every = all_analyses().items()
-    kinds = [kind for kind, one in every if name in {v.name for v in possible_variables(one)}]
+def computed_by(name: str, along: str = "") -> str:
+    """Which kinds of analyses compute a variable (`along` a dim), as a hint; "" where none does."""
+    kinds = [
+        kind
+        for kind, one in all_analyses().items()
+        if any(v.name == name and (not along or along in v.dims) for v in possible_variables(one))
+    ]
     return f"[[analysis]] kind = {' or '.join(map(dumps, kinds))} computes it" if kinds else ""
 
 

@@ -300,10 +300,11 @@ def _is_still(
 ) -> bool:
     """Whether a variable has other values than along a motion; notes what shows them."""
     variable = known.get(name)
-    if variable is None or name in moving or variable.dims:
+    if variable is None or name in moving:
         return False
     message = f"{name!r} has no value at each instant of a motion, which this figure shows"
-    report.add(place, message, listed([*moving]), _shown_by(variable))
+    hint = computed_by(name, along="time") or _shown_by(variable)
+    report.add(place, message, listed([*moving]), hint)
     return True
 
 

@@ -497,9 +497,9 @@ def _paint_numbers(
         sign = "=" if known.min() == 0.0 else r"$\leq$"
         handles = [*handles, Patch(color=BELOW, label=f"{own} {sign} 0")]
     unbounded = bool((unsure & values.isnull()).any())
-    why = points.joined(
-        why_missing(planes.dataset, values.notnull()), "undecided points" if unbounded else ""
-    )
+    why = why_missing(planes.dataset, values.notnull())
+    if "undecided" not in why:
+        why = points.joined(why, "undecided points" if unbounded else "")
     missing = "" if bool(values.notnull().all()) else f"no value{': ' * bool(why)}{why}"
     told = [*handles, *_mark_undecided(axes, planes, values.notnull())]
     if missing or told:

@@ -104,7 +104,7 @@ def taken(
     blurred = _blurred(dataset, variable, of)
     low, high, unknown = _between(_TAKINGS[what], _values(array, of), missing, blurred, axes)
     ends = {f"{what}_low": low.where(~unknown), f"{what}_high": high.where(~unknown)}
-    interval = xr.Dataset({**ends, "status": _status(dataset["status"], unknown, axes)})
+    interval = xr.Dataset({**ends, "status": _status(_answered(dataset), unknown, axes)})
     if take.get("relative_to"):
         interval = _relative(interval, take["relative_to"])
     if what in _MOVED and error_of(variable) in dataset:
@@ -186,6 +186,15 @@ def _between(
     sure = one.isnull() == other.isnull()
     low, high = one.where(one <= other, other), other.where(one <= other, one)
     return low.where(sure, -math.inf), high.where(sure, math.inf), missing.all(along)
+
+
+def _answered(dataset: xr.Dataset) -> xr.DataArray:
+    """The status of each point; what is filled in has an answer, as what was run."""
+    status = dataset["status"]
+    if "computed" not in dataset:
+        return status
+    codes = {name: code for code, name in flag_names(status.attrs).items()}
+    return status.where(~is_class(dataset["computed"], ("filled_in",)), codes["ok"])
 
 
 def _status(
