@@ -51,6 +51,8 @@ class Reason:
     retried: bool = False
 
 
+LONGER = "raise t_max, a hundredfold say: what settles ends before"
+
 REASONS: tuple[Reason, ...] = (
     Reason("none", "nothing to report"),
     Reason(
@@ -80,7 +82,7 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason("too_many_events", "raise solver.max_events, or lower t_max if the motion chatters"),
     Reason("too_many_steps", "raise solver.max_steps, or loosen solver.rtol (of rk4: solver.step)"),
-    Reason("time_budget", "the motion had not settled at t_max: raise t_max"),
+    Reason("time_budget", f"the motion had not settled at t_max: {LONGER}"),
     Reason(
         "diverged",
         "the motion grows without bound: an answer, not a failure; where the contact is bilateral "
@@ -222,7 +224,7 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "section_drifts",
         "the first and the second half of the section points differ by more than sampling "
-        "explains, so the motion is still on its way: raise t_max or transient",
+        f"explains, so the motion is still on its way: {LONGER}",
     ),
     Reason(
         "hole_too_small",
@@ -412,7 +414,7 @@ ADVICE_OF = {
     "bracket (scan_class says which class holds): widen the bracket, look at more points (scan), "
     "or ask for another class (of)",
     ("time_budget", "response"): "the motion had not settled by half of t_max, from where on it is "
-    "measured: raise t_max; another section decides some",
+    f"measured: {LONGER}; another section decides some",
     **{
         ("too_many_events", kind): "raise solver.max_events, or lower t_end if the motion chatters"
         for kind in ("history", "spectrogram")

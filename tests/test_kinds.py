@@ -155,13 +155,18 @@ def test_help_lists_every_kind_of_figure() -> None:
 
 @pytest.mark.parametrize(
     ("word", "following"),
-    [("map", "fiv kinds map"), ("refine", "fiv kinds refine"), ("Floquet", "fiv kinds cycle")],
+    [
+        *(("map", "fiv kinds map"), ("refine", "fiv kinds refine"), ("Floquet", "fiv kinds cycle")),
+        ("model", "fiv kinds model"),
+    ],
 )
 def test_a_command_that_is_none_but_a_kind(
     word: str, following: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run([word]) == 2
-    assert capsys.readouterr().err.splitlines()[-1].endswith(following)
+    told = capsys.readouterr().err.splitlines()
+    assert told[-1].endswith(following)
+    assert ("did you mean 'models'" in told[-2]) == (word == "model")
 
 
 def test_words_of_the_field_lead_to_the_variables_they_mean_here() -> None:

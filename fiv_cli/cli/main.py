@@ -120,8 +120,10 @@ class LazyGroup(click.Group):
 
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             other = OTHER_WORDS.get(args[0].lower()) or _kind_called(args[0])
-            known = suggest(args[0], COMMANDS.keys()) or "`fiv --help` lists the commands"
-            hint = f"\nnext: {other}" if other else f"; {known}"
+            alike = [name for name in COMMANDS if args[0] in name or not other]
+            near = suggest(args[0], alike)
+            hint = f"; {near}" * bool(near) + f"\nnext: {other}" * bool(other)
+            hint = hint or "; `fiv --help` lists the commands"
             ctx.fail(f"there is no command {args[0]!r}{hint}")
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None:
