@@ -16,8 +16,9 @@ from fiv_cli.case.load import parse_case
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import branch, default_figures, draw, figures_of
 from fiv_cli.plots.branch import _nearest
+from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.plots.labels import told_apart, values_along
-from fiv_cli.plots.style import BLACK
+from fiv_cli.plots.style import BLACK, notes_on
 from fiv_cli.reading.datasets import flag_names, read_analyses
 from fiv_cli.reading.summary import summarise
 from fiv_cli.sweep.policy import Policy
@@ -277,9 +278,36 @@ def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
         steady = found["response"][name].sel(mu_k=5.0).squeeze()
         assert own[0, 1] == pytest.approx(float(steady), rel=1e-6)
         orders: dict[bool, set[float]] = {True: set(), False: set()}
-        for line in [line for line in ax.lines if len(line.get_xdata()) > 1]:
+        for line in told_lines(ax):
             orders[" cycle" in str(line.get_label())].add(line.get_zorder())
         assert max(orders[True]) < min(orders[False])  # which start leads there is seen
+
+
+def told_lines(ax: Any) -> list[Any]:
+    """The lines of a panel that its table has: a smooth one through the points is none."""
+    told = (line for line in ax.lines if line.get_label() != DECORATION)
+    return [line for line in told if len(line.get_xdata()) > 1]
+
+
+def test_a_branch_over_one_sweep_leaves_this_its_names_and_says_what_it_lacks(
+    fluttering: tuple[Any, Any],
+) -> None:
+    found, cycles = fluttering
+    spec = FigureSpec("curve", "curve", {"variable": "x_amplitude", "analysis": "response"})
+    drawn = draw([("sweep", found), ("cycles", cycles)], spec)
+    words = [str(text.get_text()) for text in drawn.axes[0].get_legend().get_texts()]
+    assert not any("sweep" in word for word in words) and not notes_on(drawn)
+    smooth = [line for line in drawn.axes[0].lines if line.get_label() == DECORATION]
+    assert max(len(line.get_xdata()) for line in smooth) > 3 * max(
+        len(line.get_xdata()) for line in told_lines(drawn.axes[0])
+    )
+    spec = FigureSpec("curve", "curve", {"variable": "x_dot_amplitude", "analysis": "response"})
+    (note,) = notes_on(draw([("sweep", found), ("cycles", cycles)], spec))
+    assert note.startswith("x_dot_amplitude of one cycle of cycles: its branch tells of another")
+    assert note.endswith('observe = "x_dot" in its analysis')
+    none = cycles.isel(branch_obs=slice(0)).assign(branch_row_size=cycles["branch_row_size"] * 0)
+    (note,) = notes_on(draw([("sweep", found), ("cycles", none)], spec))
+    assert note == "no branch of cycles: of the starts drawn none found a cycle"
 
 
 def test_a_branch_beside_starts_is_not_told_by_the_start_that_it_was_found_from() -> None:
@@ -296,9 +324,8 @@ def test_a_branch_beside_starts_is_not_told_by_the_start_that_it_was_found_from(
     )
     spec = FigureSpec("curve", "curve", {"variable": "x_amplitude", "x": "mu_k"})
     (ax,) = draw([("", api.run(response)), ("", cycles)], spec).axes
-    drawn = [line for line in ax.lines if len(line.get_xdata()) > 1]
     branch, reached = (
-        {line.get_color() for line in drawn if (" cycle" in str(line.get_label())) is told}
+        {line.get_color() for line in told_lines(ax) if (" cycle" in str(line.get_label())) is told}
         for told in (True, False)
     )
     assert len(branch) == 1 and reached and not branch & reached

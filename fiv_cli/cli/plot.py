@@ -74,7 +74,8 @@ class Millimetres(click.ParamType):
     "labels",
     multiple=True,
     metavar="WORDS",
-    help="What to call a file among several: one for each, in their order. Where one is drawn over "
+    help="What to call a file among several: one for each, in their order, symbols between $ "
+    "('$N_0$ = 10 N'). Where one is drawn over "
     "the other, as a branch over its diagram, their lines have names of their own.",
 )
 @with_option

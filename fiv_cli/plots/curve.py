@@ -16,7 +16,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import listed
-from fiv_cli.plots import branch, labels, leaps, points, style
+from fiv_cli.plots import branch, labels, leaps, points, smooth, style
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
@@ -104,6 +104,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """
     axis = points.abscissa(layers[0].dataset, settings)
     settings = {**settings, "x": str(axis.name)}  # of every analysis and file
+    layers = _alone_unnamed(layers, axis)
     names = variables_of(layers, settings)
     parts = {name: _having(layers, name) for name in names}
     for number, layer in enumerate(layers):
@@ -135,8 +136,39 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     gaps = ("undecided", *points.ended(layers[0].dataset)) if names == ["attractor"] else ()
     points.dress(axes, _with_gaps(along), own_settings, gaps)
     shown = [one.without(dashed) for one in every if one.is_known]
-    style.add_notes(figure, [*_of_edges(parts), *points.of_many_lines(shown)])
+    unmet = _of_branches_not_drawn(parts, axis)
+    style.add_notes(figure, [*_of_edges(parts), *unmet, *points.of_many_lines(shown)])
     return figure
+
+
+def _alone_unnamed(layers: Sequence[points.Layer], axis: xr.DataArray) -> list[points.Layer]:
+    """Without the name of the only file over which the branches of others lie, if none is given."""
+    swept = [one for one in layers if select.has_axis(one.dataset, axis.name)]
+    over = [one for one in layers if branch.suits(one.dataset)]
+    bare = len(swept) == 1 and len(swept) + len(over) == len(layers) > 1
+    return [
+        replace(one, label="")
+        if bare and one is swept[0] and not one.dataset.attrs.get("called")
+        else one
+        for one in layers
+    ]
+
+
+def _of_branches_not_drawn(parts: Mapping[str, _Parts], axis: xr.DataArray) -> Iterator[str]:
+    """What to do where a branch along the abscissa tells nothing of what is drawn."""
+    for name, own in parts.items():
+        for layer in own.values():
+            dataset, state = layer.dataset, name.rpartition("_")[0]
+            along = branch.suits(dataset) and dataset[branch.ALONG].attrs.get("long_name", "")
+            if not str(along).startswith(f"{axis.name} "):
+                continue
+            if not dataset[branch.ALONG].size:
+                yield f"no branch of {layer.label}: of the starts drawn none found a cycle"
+            elif not any(branch.told_of(dataset, str(axis.name), name)):
+                yield (
+                    f"{name} of one cycle of {layer.label}: its branch tells of another state; "
+                    f'observe = "{state}" in its analysis'
+                )
 
 
 def _having(layers: Sequence[points.Layer], name: str) -> dict[int, points.Layer]:
@@ -552,7 +584,10 @@ def _plot(
         ax.plot([], [], ls=dash, label=label, **look)
         ax.plot(x, way, ls=dash, label=DECORATION, **{**look, "marker": "None"})
         dash, label = "none", points.unlisted(label)
-    ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
+    if curve.sort and not apart:
+        smooth.draw(ax, x, cut, label, ls=dash, **look)
+    else:
+        ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
     _plot_unsure(ax, curve, shift, entry)

@@ -253,8 +253,10 @@ def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Seque
         found.append((lines, level, next(filter(None, rooms), [])[:most]))
     size = mpl.rcParams["legend.fontsize"]
     for lines, level, places in found:
+        # the box hides the line: cut, it may lose three times as much beneath a bend
+        look: dict[str, Any] = {"fontsize": size, "manual": places, "inline": False}
         told = {level: labels.number_text(level, levels)}
-        for text_ in ax.clabel(lines, fmt=told, fontsize=size, manual=places) if places else ():
+        for text_ in ax.clabel(lines, fmt=told, **look) if places else ():
             text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
             text_.set_rotation((text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD)
 
