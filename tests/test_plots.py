@@ -4652,6 +4652,9 @@ def test_what_one_dataset_fixes_and_another_varies_is_its_name():
     assert words.told_apart([("a", swept.isel(c=0)), ("b", alone)])[0] == "a"
     of_one_value = swept.isel(c=[0], mu_k=[0])
     assert words.told_apart([("a", swept), ("b", of_one_value)])[1].startswith("$c$ = 1 N, ")
+    files = [("a", swept.assign_coords(k=1.0)), ("b", of_one_value.assign_coords(k=2.0))]
+    of_many, of_one = words.told_apart(files)  # who differ in another one as well
+    assert of_many == "$k$ = 1" and of_one.startswith("$k$ = 2, $c$ = 1 N, ")
 
 
 def test_datasets_of_other_settings_are_called_by_these_and_not_by_their_crossings():

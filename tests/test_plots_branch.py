@@ -367,7 +367,10 @@ def test_neutral_cycles_that_cannot_be_seen_have_no_entry() -> None:
 
 def test_datasets_of_an_axis_of_one_value_are_called_by_it() -> None:
     one, other = (
-        xr.Dataset(coords={"c": ("c", [c], {"units": "N s m-1", "symbol": "c"}), "N": 9.0})
+        xr.Dataset(
+            {"status": ("c", [0])},
+            {"c": ("c", [c], {"units": "N s m-1", "symbol": "c"}), "N": 9.0},
+        )
         for c in (0.1, 0.2)
     )
     assert told_apart([("a", one), ("b", other)]) == ["$c$ = 0.1 N s/m", "$c$ = 0.2 N s/m"]

@@ -213,8 +213,11 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     branches = ["branch_value" in one for one in datasets]  # they are called as their diagram is
     named = [name for name, branch in zip(found, branches, strict=False) if not branch] or found
     apart = len({*named}) == len(named) == (len(files) - sum(branches) or len(files))
-    if apart:
+    if apart and 0 < sum(branches) < len(files):  # branches lie over diagrams
         return found
+    if apart:
+        fixed = [_fixed_of_axes(one, datasets) for one in datasets]
+        return [", ".join(filter(None, words)) for words in zip(found, fixed, strict=True)]
     same_starts = len({str(one.attrs.get("starts_json")) for one in datasets}) == 1
     asked = _differing_settings(datasets)
     if same_starts and len({*asked}) == len(files):
