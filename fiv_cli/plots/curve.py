@@ -158,13 +158,13 @@ def _of_branches_not_drawn(parts: Mapping[str, _Parts], axis: xr.DataArray) -> I
     """What to do where a branch along the abscissa tells nothing of what is drawn."""
     for name, own in parts.items():
         for layer in own.values():
-            dataset, state = layer.dataset, name.rpartition("_")[0]
+            dataset, (state, _, of) = layer.dataset, name.rpartition("_")
             along = branch.suits(dataset) and dataset[branch.ALONG].attrs.get("long_name", "")
             if not str(along).startswith(f"{axis.name} "):
                 continue
             if not dataset[branch.ALONG].size:
                 yield f"no branch of {layer.label}: of the starts drawn none found a cycle"
-            elif not any(branch.told_of(dataset, str(axis.name), name)):
+            elif of in branch.OF_EXTREMES and not branch.is_along(dataset, str(axis.name), state):
                 yield (
                     f"{name} of one cycle of {layer.label}: its branch tells of another state; "
                     f'observe = "{state}" in its analysis'
