@@ -39,6 +39,7 @@ SEEN_ON_LINES = 2.4  # size of dots that lines lead through, where columns have 
 FILLED = 0.75  # ... which is this share of it
 APART = 1.9  # size of marks that stand apart, and ...
 SHAPES = 24  # ... how many there are of one cloud from one side to the other
+MOST_ROWS = 4  # of one cloud whose ends have marks
 DOTS_BETWEEN = 4  # marks, or more: at every second place they would look like another sort
 # Of the key of marks that stand among dots: these to both sides.
 AMONG_DOTS: dict[str, Any] = {"ls": (0, (0.01, 3.5)), "lw": 1.3, "dash_capstyle": "round"}
@@ -335,7 +336,16 @@ def _mark_some(
     apart = float(shown[-1] - shown[0]) / most if shown.size else 0.0
     for turn, (cloud, entry) in enumerate(pairs):
         places = _seen(np.append(cloud.x[~cloud.crowded], cloud.rest_x), settings)
-        chosen = _spread(_along(places, settings), apart, turn * apart / len(pairs))
+        at = _along(places, settings)
+        ends = _ends(at, np.searchsorted(shown, at), apart)
+        chosen = [
+            *(
+                one
+                for one in _spread(at, apart, turn * apart / len(pairs))
+                if _is_far(at, one, ends, apart)
+            ),
+            *ends,
+        ]
         own = _at(cloud, places[chosen]) if places.size else cloud
         _mark_values(ax, own, entry, APART, sorts, many=False)
         _mark_rests(ax, own, entry, APART, sorts, resting, squares)
@@ -358,6 +368,19 @@ def _seen(x: np.ndarray, settings: points.Settings) -> np.ndarray:
 def _along(x: np.ndarray, settings: points.Settings) -> np.ndarray:
     """How far along the axis places lie."""
     return np.log(x) if points.is_logarithmic(settings, "x") else x
+
+
+def _ends(at: np.ndarray, column: np.ndarray, apart: float) -> list[int]:
+    """The first and the last of each long row of places without a gap: dots between are of it."""
+    gaps = np.flatnonzero(np.diff(column) > 1)
+    rows = zip([0, *(gaps + 1)], [*gaps, at.size - 1], strict=True) if at.size else []
+    long = [row for row in rows if at[row[1]] - at[row[0]] > apart]
+    return [int(end) for row in long for end in row] if len(long) <= MOST_ROWS else []
+
+
+def _is_far(at: np.ndarray, one: int, ends: Sequence[int], apart: float) -> bool:
+    """Whether a mark has its room beside those at the ends of rows."""
+    return all(abs(at[one] - at[end]) >= apart for end in ends)
 
 
 def _spread(at: np.ndarray, apart: float, off: float) -> list[int]:

@@ -258,7 +258,8 @@ def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Seque
         told = {level: labels.number_text(level, levels)}
         for text_ in ax.clabel(lines, fmt=told, **look) if places else ():
             text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
-            text_.set_rotation((text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD)
+            upwards = (text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
+            text_.set_rotation(min(upwards, 90.0))  # none is turned over
 
 
 def _rooms(
