@@ -1497,6 +1497,8 @@ def test_numbers_taken_over_undecided_points_are_marked_on_a_map():
     assert wide[3, 5]
     places = {(dataset["Omega"].values[x], dataset["N0"].values[y]) for x, y in np.argwhere(wide)}
     assert {*map(tuple, marks(drawn.axes[0], told))} == places
+    (rings,) = [line for line in drawn.axes[0].lines if line.get_label() == told]
+    assert rings.get_zorder() > max(lines.get_zorder() for lines in drawn.findobj(ContourSet))
     assert told in legend_texts(drawn)
     assert any(text.endswith("= 0.6, at least and at most") for text in legend_texts(drawn))
     settings = {"variable": "L_s", "take": {"what": "greatest", "over": ["initial"]}}

@@ -541,7 +541,7 @@ def _mark_undecided(axes: Sequence[Axes], planes: _Planes, known: xr.DataArray) 
                 x, y = planes.places
                 marked = ax.plot(
                     x[columns], y[rows], "o", color="white", mec=style.BLACK, mew=0.5, ms=2.5,
-                    ls="none", label=told,
+                    ls="none", label=told, zorder=4,
                 )  # fmt: skip
             entries += marked
     return entries
