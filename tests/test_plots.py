@@ -847,8 +847,10 @@ def test_motions_that_ended_stand_among_the_gaps(kind, ended):
     word = ended.replace("_", " ")
     (strip,) = [line for line in ax.lines if str(line.get_label()).startswith(word)]
     assert (strip.get_xdata() > 4.0).all() and len(strip.get_xdata()) == 10
-    (ax,) = draw(dataset, figure("curve", variable="attractor")).axes
-    assert not [line for line in ax.lines if str(line.get_label()).startswith(word)]
+    files = [("none", data.bifurcation()), ("some", dataset)]  # a class of one of them alone
+    for drawn in (dataset, files):
+        (ax,) = draw(drawn, figure("curve", variable="attractor")).axes
+        assert not [line for line in ax.lines if str(line.get_label()).startswith(word)]
 
 
 def test_colours_tell_families_and_marks_the_rest():

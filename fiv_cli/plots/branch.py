@@ -189,10 +189,14 @@ def draw_marks(
 
 def is_along(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
     """Whether it holds branches, along `parameter`, and they tell the extremes of `observed`."""
-    if not suits(dataset):
-        return False
-    words = [str(dataset[name].attrs.get("long_name", "")) for name in (ALONG, EXTREMES[0])]
-    return words[0].startswith(f"{parameter} ") and f" {observed} " in words[1]
+    words = str(dataset[EXTREMES[0]].attrs.get("long_name", "")) if suits(dataset) else ""
+    return leads_along(dataset, parameter) and f" {observed} " in words
+
+
+def leads_along(dataset: xr.Dataset, parameter: str) -> bool:
+    """Whether it holds branches along `parameter`, of whichever state they tell."""
+    words = str(dataset[ALONG].attrs.get("long_name", "")) if suits(dataset) else ""
+    return words.startswith(f"{parameter} ")
 
 
 def changes(dataset: xr.Dataset) -> np.ndarray:

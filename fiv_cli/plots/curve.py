@@ -133,7 +133,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         told = [_told_by_bars(one.dataset, name) for name in own for one in along[name]]
         if barred and any(told):
             ax.plot([], [], color=style.BLACK, label=max(told, key=len), **ERROR_BAR)
-    gaps = ("undecided", *points.ended(layers[0].dataset)) if names == ["attractor"] else ()
+    gaps = ("undecided", *points.ENDED) if names == ["attractor"] else ()
     points.dress(axes, _with_gaps(along), own_settings, gaps)
     shown = [one.without(dashed) for one in every if one.is_known]
     unmet = _of_branches_not_drawn(parts, axis)
@@ -159,8 +159,7 @@ def _of_branches_not_drawn(parts: Mapping[str, _Parts], axis: xr.DataArray) -> I
     for name, own in parts.items():
         for layer in own.values():
             dataset, (state, _, of) = layer.dataset, name.rpartition("_")
-            along = branch.suits(dataset) and dataset[branch.ALONG].attrs.get("long_name", "")
-            if not str(along).startswith(f"{axis.name} "):
+            if not branch.leads_along(dataset, str(axis.name)):
                 continue
             if not dataset[branch.ALONG].size:
                 yield f"no branch of {layer.label}: of the starts drawn none found a cycle"

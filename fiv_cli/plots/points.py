@@ -524,8 +524,10 @@ def ended(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     if "attractor" not in dataset:
         return {}
     selected = ~dataset.get(NOT_SELECTED, dataset["status"] < 0)
-    kinds = {name: is_class(dataset["attractor"], (name,)) & selected for name in ENDED_EARLY}
-    return {name.replace("_", " "): mask for name, mask in kinds.items() if bool(mask.any())}
+    kinds = {
+        word: is_class(dataset["attractor"], (name,)) & selected for word, name in ENDED.items()
+    }
+    return {word: mask for word, mask in kinds.items() if bool(mask.any())}
 
 
 def alone(known: np.ndarray) -> np.ndarray:
@@ -573,6 +575,7 @@ BOTH = " and "
 SHARED = "both starts", "all starts"
 MOST_LETTERS = 50  # of a name of several lines
 
+ENDED = {name.replace("_", " "): name for name in ENDED_EARLY}
 NOT_SELECTED = "not_selected"  # points of none of the classes that a figure selects
 GAP_MARKS = {
     "undecided": ("x", "#777777"),

@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from fiv_cli.errors import UsageError
+from fiv_cli.flags import ENDED_EARLY
 from fiv_cli.plots import labels, levels, motion, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.reading import select
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 FREQUENCIES = {"Hz": ("f", "Hz"), "rad/s": (r"\omega", "rad/s")}  # symbol, unit
 STEADY, GROWING = "amplitude", "unstable_frequency"
-NO_SPECTRUM = ("diverged", "contact_lost")
 WINDOW = "hann"
 # Samples count as uniform when their intervals agree to this share.
 UNIFORM = 1e-6
@@ -137,7 +137,7 @@ def _explain(figure: Figure, dataset: xr.Dataset) -> None:
 
 def _unbounded(dataset: xr.Dataset) -> str:
     """The classes of motion without a spectrum that the dataset holds."""
-    names = [n for n in NO_SPECTRUM if bool(is_class(dataset["attractor"], (n,)).any())]
+    names = [n for n in ENDED_EARLY if bool(is_class(dataset["attractor"], (n,)).any())]
     return points.joined(*(name.replace("_", " ") for name in names))
 
 
