@@ -19,6 +19,7 @@ text that the command would print.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -632,6 +633,8 @@ def _parameters(
         models = f"fiv models {setup.model.name}"
         following = f"settings={{{name!r}: {value!r}}}" if name in settings else models
         pick(name, known, f"parameter of {setup.title}", following)
+        if not math.isfinite(value):
+            raise UsageError(f"{name} = {value}: no number\nnext: a finite one, in SI")
     return default_parameters(setup.model, setup.law, **changes)
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from fiv_cli import api
 from fiv_cli.analyses.base import Section, SolverSettings
 from fiv_cli.case.case import Case, StartSpec
 from fiv_cli.case.identity import fingerprint
@@ -861,3 +863,44 @@ class TestOverrides:
         assert (problem.path, problem.override) == (path, text)
         assert problem.line is None
         assert problem.suggestion.startswith(suggestion)
+
+
+COUPLED = {"k2": 0.5, "k3": 1.0, "alpha1": math.pi / 6.0, "alpha2": math.pi / 4.0}
+
+
+def _damped(extra: str, parameters: str) -> str:
+    given = ", ".join([*(f"{name} = {value}" for name, value in COUPLED.items()), parameters])
+    model = f"[model]\nname = 'flutter-2dof'\nparameters = {{ {given.removesuffix(', ')} }}\n"
+    return f"schema = 1\n{model}[[analysis]]\nkind = 'critical'\n{extra}"
+
+
+def test_a_parameter_with_the_name_of_another_has_its_value():
+    """Where it is an axis, and where an analysis varies it: as if both were written."""
+    along = "parameter = 'mu_k'\nbracket = [0.0, 4.0]\n[grid]\nc1 = [0.02, 0.3]\n"
+    both = "c2 = [0.02, 0.3]\n[sweep]\nzip = [['c1', 'c2']]\n"
+    follows, written = (
+        api.run(parse_case(text, "x.toml"))["critical_value"].values.ravel()
+        for text in (_damped(along, "c2 = 'c1'"), _damped(along + both, ""))
+    )
+    np.testing.assert_array_equal(follows, written)
+    varied = "parameter = 'c1'\nbracket = [0.001, 1.0]\n[grid]\nmu_k = [0.6]\n"
+    found = api.run(parse_case(_damped(varied, "c2 = 'c1'"), "x.toml"))
+    at = found["critical_value"].values.ravel()[0]
+    own = {**COUPLED, "c1": at, "c2": at, "mu_k": 0.6}
+    growth = api.analyse("flutter-2dof", "coulomb", "eigenvalues", **own).values["growth_rate"]
+    assert growth == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "told"),
+    [
+        ("c2 = 'k1'", "c2 is in N s m-1, and k1 in N m-1"),
+        ("c1 = 'c2', c2 = 'c1'", "c2 takes the value of another itself"),
+        ("c1 = 'c1'", "c1 takes the value of another itself"),
+        ("c1 = 'mu_k'", "'mu_k' is a parameter, not a value"),
+    ],
+)
+def test_a_parameter_that_cannot_follow_another_is_refused(parameters, told):
+    along = "parameter = 'mu_k'\nbracket = [0.0, 4.0]\n"
+    with pytest.raises(CaseError, match=told):
+        parse_case(_damped(along, parameters), "x.toml")

@@ -221,9 +221,13 @@ def test_that_others_use_the_machine_changes_no_number(
     monkeypatch: pytest.MonkeyPatch, load: float
 ) -> None:
     monkeypatch.setattr(os, "getloadavg", lambda: (load, 0.0, 0.0))
-    (analysis,) = make_plan(api.load(LONG)).analyses
+    (one,), (analysis,) = (
+        make_plan(api.load(LONG | {"grid": {"v": speeds}})).analyses
+        for speeds in ([1.0], [1.0, 2.0, 3.0])
+    )
     assert _parallel(analysis, _crew(3, 2)) == 2
     assert _parallel(analysis, _crew(3, np.inf)) == 3
+    assert _parallel(one, _crew(3, 2)) == 1  # no two share a point
 
 
 def test_an_estimate_tells_of_points_that_failed(

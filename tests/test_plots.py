@@ -440,6 +440,7 @@ def test_a_line_is_seen_beneath_one_that_runs_upon_it_for_a_while():
     dataset["attractor"][:] = data.codes(data.ATTRACTORS, "periodic")
     values = np.arange(46.0)[:, None] * [1.0, 1.0] + np.where(np.arange(46) < 20, 0.0, 5.0)[:, None]
     values[:20, 1] += 3.0
+    dataset["L_s"][:] = np.arange(92.0).reshape(46, 2)  # which leaves no motion
     two = dataset.assign(
         x_rms=(("Omega", "initial"), values, {"units": "m"}),
         y_rms=(("Omega", "initial"), values + 1.0, {"units": "m"}),
@@ -1580,6 +1581,51 @@ def test_several_variables_of_a_curve_are_named_in_its_legend():
         draw(data.stability_map(), figure("map", variable=["L_s", "attractor"]))
 
 
+@pytest.mark.parametrize(
+    ("asked", "shown"),
+    [
+        ({}, {"phi": None, "theta": None}),
+        ({"ylim": (-1.0, 2.0)}, {"phi": (-1.0, 2.0), "theta": None}),
+        ({"ylim": {"theta": (-1.0, 2.0)}}, {"phi": None, "theta": (-1.0, 2.0)}),
+    ],
+)
+def test_histories_beside_one_another_have_one_range_of_each_variable(asked, shown):
+    """That of all, or what the figure says of it; and one axis of time, of motions as long."""
+    drawn = draw(data.history(), figure("history", variable=["phi", "theta"], **asked))
+    for row, told in zip(np.reshape(drawn.axes, (2, 2)), shown.values(), strict=True):
+        left, right = (ax.get_ylim() for ax in row)
+        assert left == right == (told or left) != (0.0, 1.0)
+    assert len({ax.get_xlim() for ax in drawn.axes}) == 1
+
+
+def test_a_motion_that_would_be_flat_beside_another_has_a_range_of_its_own():
+    found = data.history()
+    small = found["phi"].where(found["initial"] == "far", 0.02 + 1e-3 * (found["phi"] - 0.02))
+    far, near = draw(found.assign(phi=small), figure("history", variable=["phi"])).axes
+    assert np.ptp(near.get_ylim()) < 1e-2 * np.ptp(far.get_ylim())
+
+
+def test_all_variables_of_a_curve_leave_a_motion_at_the_same_points():
+    """One that would go on as if nothing had happened stands at another motion there, too."""
+    found = data.bifurcation().isel(initial=[0])
+    x, after = found["Omega"].values, found["Omega"].values > 2.0
+    (periodic,) = (c for c, n in flag_names(found["attractor"].attrs).items() if n == "periodic")
+    found["attractor"] = found["attractor"].copy(data=np.full((x.size, 1), periodic))
+    found["L_s"] = found["L_s"].copy(data=(1.0 + 0.1 * x)[:, None])
+    found["x_rms"] = (("Omega", "initial"), (1.0 + 0.1 * x + after)[:, None], {"units": "rad"})
+    breaks = [
+        np.flatnonzero(np.isnan(ax.lines[0].get_ydata())).tolist()
+        for names in (["L_s"], ["L_s", "x_rms"])
+        for ax in draw(found, figure("curve", variable=names)).axes
+    ]
+    assert breaks == [[], [after.argmax()], [after.argmax()]]
+
+
+def test_series_of_a_curve_without_a_name_of_their_own_have_no_comma():
+    assert points.unlisted("", "stable cycle") == points.unlisted("_", "stable cycle")
+    assert points.unlisted("_near", "stable cycle") == "_near, stable cycle"
+
+
 def test_marks_are_at_the_points_of_all_panels_or_of_none():
     """Dashes take the room for marks in one of them alone."""
     dataset = data.bifurcation()
@@ -2516,8 +2562,7 @@ def test_a_level_between_values_that_lie_apart_has_a_line_without_a_point():
     dataset["L_s"] = dataset["L_s"].where(apart)
     level = float(dataset["L_s"].mean())
     drawn = draw(dataset, figure("map", variable="L_s", level=level))
-    assert [len(piece) for piece in drawn.findobj(ContourSet)[0].allsegs[0]] == [0]
-    assert not drawn.axes[0].texts
+    assert not drawn.findobj(ContourSet) and not drawn.axes[0].texts
 
 
 def test_files_of_one_figure_take_each_over_axes_of_its_own():
@@ -2775,6 +2820,23 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     pending = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "pending"))
     with pytest.raises(UsageError, match=r"none of the 714 points has a value \(pending 714"):
         draw(pending, lines)
+
+
+def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
+    """And levels that have lines, but no room on these, are told by the legend: that is said."""
+    dataset = data.stability_map(initial=("reached",), nx=20, ny=20)
+    values = np.full((20, 20, 1), np.nan)
+    values[:, 0, 0] = np.linspace(0.0, 1.0, 20)
+    dataset["L_s"] = dataset["L_s"].copy(data=values)
+    asked = figure("map", variable="L_s", level=[0.30001, 0.60001])
+    drawn = draw(dataset, asked)
+    assert not [text for text in legend_texts(drawn) if "=" in text]
+    assert all("passed in one row of points alone" in note for note in style.notes_on(drawn))
+    values[:, :, 0] = np.linspace(0.0, 1.0, 20)[:, None]
+    dataset["L_s"] = dataset["L_s"].copy(data=values)
+    assert style.notes_on(draw(dataset, asked)) == []
+    (note,) = style.notes_on(draw(dataset, asked, look=look_of("paper", width=50.0)))
+    assert note.startswith("L_s = 0.30001, 0.60001: told in the legend alone")
 
 
 def test_a_level_that_no_line_has_is_told_also_where_a_figure_has_no_title(stored):
@@ -3934,6 +3996,22 @@ def test_the_arrow_of_a_phase_portrait_does_not_hide_its_start(turn):
     start = np.array([phi.isel(time=0), rate.isel(time=0)])
     assert np.linalg.norm((middle - start) / [0.02, 0.14]) > 0.1
     assert middle[1] == pytest.approx(0.05, abs=1e-3)
+
+
+def test_the_arrow_of_a_phase_portrait_does_not_hide_a_short_stick():
+    found = data.history(labels=("far",))
+    angle = 9.0 * found["time"].values
+    short = (np.sin(angle) > 0.995)[None]
+    states = np.where(short, "stick", "slip+")
+    found["phi_dot"] = found["phi_dot"].copy(data=np.minimum(-0.09 * np.sin(angle), 0.08)[None])
+    found["contact_state"] = data.flags(("initial", "time"), states, data.CONTACT_STATES)
+    found = found.drop_dims("event_obs").assign(data.ledger(found["time"].values, states))
+    (ax,) = draw(found, figure("phase")).axes
+    stick = next(one for one in ax.collections if one.get_label().endswith("stick"))
+    places = np.concatenate(stick.get_segments())
+    (arrow,) = ax.texts
+    middle = 0.5 * (np.array(arrow.xyann) + arrow.xy)
+    assert np.linalg.norm((middle - places) / [0.02, 0.17], axis=1).min() > 0.1
 
 
 @pytest.mark.parametrize(

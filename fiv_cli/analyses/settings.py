@@ -399,7 +399,9 @@ class ParameterName(Setting):
         if value.name in known.axes:
             message = f"{value.name!r} is an axis of the grid: the analysis finds its value itself"
             aside = "or ask in a case of its own, whose answers claims have as CASE:VARIABLE"
-            yield Refusal(message, suggestion=f"remove {value.name} from [grid], {aside}")
+            alike = f'; what advances with it follows it: [model.parameters] NAME = "{value.name}"'
+            advice = f"remove {value.name} from [grid], {aside}{alike * (len(known.axes) > 1)}"
+            yield Refusal(message, suggestion=advice)
 
     def sample(self, model: Model, varied: Parameter) -> str:
         return f'"{varied.name}"'

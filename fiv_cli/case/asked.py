@@ -107,7 +107,7 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         _check_basin(figure, case, place, report)
     key = "y" if figure.kind == "curve" and "variable" not in figure.settings else "variable"
     names = _named(figure.settings.get(key, [])) if known else []
-    _check_limits(figure, names, (*place, "ylim"), report)
+    _check_limits(figure, names or _displacements(figure, known), (*place, "ylim"), report)
     shown = known
     if figure.kind in ("history", "phase"):
         shown = _moving(known)
@@ -146,14 +146,22 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
 def _check_limits(figure: FigureSpec, names: Sequence[str], place: Path, report: Report) -> None:
     """Note ranges of variables that no panel of a figure shows."""
     limits = figure.settings.get("ylim")
-    shown = PANELS.get(figure.kind, names if figure.kind == "curve" else ())
-    for name in limits if isinstance(limits, dict) else ():
-        if not shown:
-            message = "a range for each variable is of a figure with a panel for each"
-            report.add(place, message, "[low, high], or variable = [...] of a curve")
-        elif name not in shown:
+    if not isinstance(limits, dict):
+        return
+    shown = PANELS.get(figure.kind, names if figure.kind in ("curve", "history") else ())
+    if not shown:
+        message = "a range for each variable is of a figure with a panel for each"
+        report.add(place, message, "[low, high], or variable = [...] of a curve or history")
+        return
+    for name in limits:
+        if name not in shown:
             message = f"{name!r} is no variable of this figure"
             report.unknown((*place, name), message, name, shown)
+
+
+def _displacements(figure: FigureSpec, known: Mapping[str, Variable | None]) -> list[str]:
+    """What a history shows that names nothing."""
+    return [name for name in known if figure.kind == "history" and f"{name}_dot" in known]
 
 
 def _check_levels(

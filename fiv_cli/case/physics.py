@@ -13,7 +13,7 @@ from fiv_cli.friction import TANH_OF, all_laws, get_law, laws_of, why_unfit
 from fiv_cli.friction.base import Law
 from fiv_cli.models import all_models
 from fiv_cli.models.base import Model, Option, Parameter
-from fiv_cli.models.excitation import BASE
+from fiv_cli.models.excitation import BASE, following
 from fiv_cli.models.origin import Origin
 from fiv_cli.notation.names import ascii_name, listed, nearest, suggest
 
@@ -131,6 +131,7 @@ def read_physics(form: Form, report: Report) -> Physics:
     options = {**model.default_options(), **reader.options(model, form.model)}
     options |= _options_of_axes(model, options, axes)
     laws, known = reader.laws(model, form.friction, axes.get("friction"))
+    model = reader.following(model, form.model)
     fixed = reader.of_model(model, laws, form.model) | reader.of_laws(model, laws, form.friction)
     return Physics(model, options, laws, fixed, frozenset(reader.unread), known)
 
@@ -252,6 +253,13 @@ def _laws_with(name: str) -> str:
     return f"{name!r} is of law {listed(having)}" if having else ""
 
 
+def _leaders(model: Model, table: ModelTable) -> dict[str, str]:
+    """Key of a parameter of the model that is given the name of another -> that one."""
+    known = {p.name for p in model.parameters}
+    named = {k: ascii_name(v) for k, v in table.parameters.items() if isinstance(v, str)}
+    return {k: leader for k, leader in named.items() if {ascii_name(k), leader} <= known}
+
+
 class _Reader:
     """Reads what a case gives for options, laws and parameters; keeps what is not sound."""
 
@@ -313,10 +321,28 @@ class _Reader:
         hint = "" if law else own_file(name, self.report)
         return unfit or f"{name!r} is no friction law {whose}", hint
 
+    def following(self, model: Model, table: ModelTable) -> Model:
+        """The model with its parameters that are given the name of another following that."""
+        known, sound = {p.name: p for p in model.parameters}, {}
+        leaders = _leaders(model, table)
+        for key, leader in leaders.items():
+            place, own, other = ("model", "parameters", key), known[ascii_name(key)], known[leader]
+            if own.unit != other.unit:
+                message = f"{own.name} is in {own.unit}, and {leader} in {other.unit}"
+                self.report.add(place, message, own.allowed)
+            elif leader in {ascii_name(name) for name in leaders}:
+                message = f"{leader} takes the value of another itself"
+                self.report.add(place, message, "the name of a parameter that has a value")
+            else:
+                sound[own.name] = leader
+        return following(model, sound)
+
     def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:
         known = {p.name: p for p in model.parameters}
         elsewhere = {p.name: "friction" for law in laws for p in law.parameters}
-        return self.parameters(table.parameters, known, elsewhere, ("model", "parameters"))
+        follow = _leaders(model, table)
+        given = {key: value for key, value in table.parameters.items() if key not in follow}
+        return self.parameters(given, known, elsewhere, ("model", "parameters"))
 
     def of_laws(self, model: Model, laws: Sequence[Law], table: FrictionTable) -> dict[str, float]:
         """The laws' parameters, and those of the tables ``[friction.LAW]``."""
@@ -389,7 +415,7 @@ class _Reader:
                 self.report.add(place, f"{name} is given twice")
             elif isinstance(value, str) and ascii_name(value) in {**known, **elsewhere}:
                 together = f'[sweep] zip = [["{name}", "{value}"]], both under [grid]'
-                hint = f"to have both alike: {together}"
+                hint = f"of the model, one may be that of another; of a law: {together}"
                 self.report.add(place, f"{value!r} is a parameter, not a value", suggestion=hint)
             else:
                 self.parameter(known[name], value, place, found)

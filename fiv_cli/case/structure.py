@@ -159,7 +159,10 @@ class ModelTable(Table):
     example: ClassVar[str] = "parameters = { m = 2.0 }, or on the command line model.parameters.m=2"
 
     name: str = Field(description="name of the model; `fiv models` lists them")
-    parameters: dict[str, Quantity] = Field(default={}, description="what differs from the default")
+    parameters: dict[str, Quantity] = Field(
+        default={},
+        description="what differs from the default; the name of another, whose value it is then",
+    )
     options: dict[str, Any] = Field(default={}, description="switches of the model")
 
 
@@ -461,8 +464,8 @@ class FigureTable(Table):
     xlim: Interval | None = Field(default=None, description="range of x")
     ylim: Limits | None = Field(
         default=None,
-        description="range of y, of several panels that of the first; of a curve or eigenvalues, "
-        "for the panels of these variables, { period = [0, 0.1], L_s = [0, 1e-3] }",
+        description="range of y, of several panels that of the first; of a curve, eigenvalues or "
+        "a history, for the panels of these variables, { period = [0, 0.1], L_s = [0, 1e-3] }",
     )
     zlim: Interval | None = Field(default=None, description="map: range of its shades")
     xlabel: str | None = Field(default=None, description="label of x, in place of its own")

@@ -14,6 +14,7 @@ RECENT = 60.0
 
 EARLY = 0.1  # share of the points done below which they say little of the others
 YOUNG = 20.0  # seconds in which these few tell nothing at all
+LONG, UNBOUND = 60.0, ": t_max, or --time-limit, bounds what a point takes"  # s without one
 LATE = 16  # the last instants, whose longest distance says until when nothing new is no delay
 
 
@@ -109,7 +110,7 @@ class Course:
         """``2.5 min elapsed, 31 points/s, some 40 s to go``."""
         elapsed, rate = f"{duration(self.elapsed(now))} elapsed", self.rate(now)
         if rate == 0.0:
-            return elapsed
+            return elapsed + UNBOUND * (self._own(now) >= LONG)
         speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"
         told, left = f"{elapsed}, {speed} points/s", self.left(now)
         alike = ", were the others alike" if self._is_early else ""

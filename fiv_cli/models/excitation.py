@@ -99,16 +99,22 @@ def _term(text: str) -> Term:
     return Term("force", text.removeprefix("force_")) if found["force"] else Term(BASE, BASE)
 
 
+def following(model: Model, leaders: Mapping[str, str]) -> Model:
+    """`model` with parameters that take the value of another: parameter -> that one."""
+    texts = (f"{name} = {leader}" for name, leader in leaders.items())
+    return excited(model, BETWEEN.join([model.name, *texts])) if leaders else model
+
+
 @cache
 def excited(model: Model, name: str) -> Model:
-    """`model` under the excitations that `name` tells of."""
+    """`model` under the excitations, and with the followers, that `name` tells of."""
     _, terms, leaders = terms_of(name)
     added: list[Parameter] = []
     for term in terms:
         _refuse_nothing(model, term)
         added += _parameters(model, term, added)
     _refuse_two_of_one_name(model, added)
-    table = [_follow(p, leaders.get(p.name)) for p in (*model.parameters, *added)]
+    table = _following((*model.parameters, *added), leaders)
     varied = tuple(term.of for term in terms if term.kind == "parameter")
     loads = _of_role(model, "preload")
     alone = len(terms) == 1 and not model.forcings
@@ -116,7 +122,7 @@ def excited(model: Model, name: str) -> Model:
     return replace(
         model,
         name=name,
-        title=f"{model.title}, excited",
+        title=f"{model.title}, excited" if terms else model.title,
         parameters=tuple(table),
         equations=_equations(model, terms),
         constant_load=model.constant_load and not loads & set(varied),
@@ -190,8 +196,13 @@ def _power_of(term: Term) -> str:
     return "the base that moves" if term.kind == "base" else f"the external force along {term.of}"
 
 
-def _follow(parameter: Parameter, leader: str | None) -> Parameter:
-    return replace(parameter, default=None, default_from=leader) if leader else parameter
+def _following(table: Sequence[Parameter], leaders: Mapping[str, str]) -> list[Parameter]:
+    """A table with what follows another; that one is to be what each of them may be."""
+    found = {p.name: p for p in table}
+    for name, leader in leaders.items():
+        found[leader] = found[leader].within(found[name])
+        found[name] = replace(found[name], default=None, default_from=leader)
+    return [*found.values()]
 
 
 def _forcing(model: Model, term: Term, alone: bool) -> Forcing:

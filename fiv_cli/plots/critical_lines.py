@@ -53,13 +53,14 @@ class CriticalLines:
         look = self._look(max(pieces, key=lambda piece: piece[0].size)) if pieces else {}
         return [Line2D([], [], color=colour, label=self._words, **look)] if pieces else []
 
-    def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> None:
-        """Draw the lines of one panel, whose ranges stay as they are."""
+    def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> tuple[()]:
+        """Draw the lines of one panel, whose ranges stay as they are; they have no levels."""
         ranges = {"xlim": ax.get_xlim(), "ylim": ax.get_ylim()}
         for x, y in self._pieces(panel):
             label = points.unlisted(self._words)
             ax.plot(x, y, color=colour, label=label, **self._look((x, y)))
         ax.set(**ranges)
+        return ()
 
     def _look(self, piece: Piece) -> dict[str, Any]:
         """A line or, of a single place, a mark."""

@@ -232,11 +232,16 @@ def _lines(
     several = max(map(len, own_sorts)) > 1  # else the variable tells the sort
     sorts = list(dict.fromkeys(chain(*own_sorts))) if several else []
     every = sorted({number for own in parts.values() for number in own})
+    of_panels = {
+        name: points.of_panel(settings, place, own)
+        for place, own in enumerate(panels)
+        for name in own
+    }
     for number, (place, own) in product(every, enumerate(panels)):
         for name in [name for name in own if number in parts[name]]:
             part, rest = parts[name][number], len(parts[name]) - len(along[name])
             curves = (
-                _curves(part, name, len(own) > 1, points.of_panel(settings, place, own), sorts)
+                _curves(part, name, len(own) > 1, of_panels, sorts)
                 if any(part is one for one in along[name])
                 else _of_branches(part, name, axis, rest > 1, bool(along[name]))
                 or _without_axis(part, name, _first(parts[name]).dataset, axis)
@@ -780,15 +785,16 @@ def _curves(
     layer: points.Layer,
     name: str,
     named: bool,
-    settings: points.Settings,
+    of_panels: Mapping[str, points.Settings],
     sorts: Sequence[str],
 ) -> list[_Curve]:
     """The lines of one variable of one dataset; their labels have its words if it is `named`.
 
-    `sorts` are those of the crossings of all datasets.
+    All variables of a figure leave a motion at the same points. `sorts` are those of the crossings
+    of all datasets.
     """
     dataset = layer.dataset
-    axis = points.abscissa(dataset, settings)
+    axis = points.abscissa(dataset, of_panels[name])
     array = numbers(dataset[name])
     dim = str(axis.dims[0])
     if dim not in array.dims or select.row_sizes(dataset, name) is not None:
@@ -802,35 +808,44 @@ def _curves(
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
-    kinds = leaps.kinds(dataset).broadcast_like(array)
-    logarithmic, marks = points.is_logarithmic(settings, "y"), [*leaps.marks_of_motions(dataset)]
-
-    def beside(line: points.Line, dim: str) -> np.ndarray:
-        """The values of all starts at what a line holds fixed, shape (starts, points)."""
-        own = {name: at for name, at in line.index.items() if name != "initial"}
-        return array.isel(own).transpose(..., dim).values.reshape(-1, array.sizes[dim])
-
+    numeric = [own for own in of_panels if own in dataset and not flag_names(dataset[own].attrs)]
+    alike = [own for own in numeric if dataset[own].dims == array.dims and own != "share"]
     curves = []
     for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
-        y, open_, told, kind, error, *ends = (
+        y, open_, told, error, *ends = (
             one.isel(line.index).values
             for one in (
-                *(array, unsure & array.notnull(), classes, kinds, errors),
+                *(array, unsure & array.notnull(), classes, errors),
                 *ends_of(dataset, name),
             )
         )
         y, error, ends = _narrowed(y, error, ends)
-        apart = (told[1:] != told[:-1]) | _turns_back(x) | leaps.changes_over(y, beside(line, dim))
-        if name != "share":  # which may step as it likes
-            kind = leaps.told_apart(
-                kind, [one.isel(line.index, missing_dims="ignore") for one in marks]
-            )
-            apart |= leaps.leaps(y, kind, points.shown_of(settings, y), logarithmic)
+        apart = (told[1:] != told[:-1]) | _turns_back(x)
+        for own in {name, *alike}:
+            apart |= _leaves(dataset, own, line.index, of_panels[own])
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
         curves.append(_Curve(told_by, x, y, open_, (ends[0], ends[1]), error, jumps, limits=limits))
     return curves
+
+
+def _leaves(
+    dataset: xr.Dataset, name: str, index: Mapping[str, int], settings: points.Settings
+) -> np.ndarray:
+    """Between which neighbours along a line a variable goes over to another motion."""
+    array = numbers(dataset[name])
+    fixed = {dim: at for dim, at in index.items() if dim != "initial"}  # of all starts
+    y, starts = array.isel(index).values, array.isel(fixed)
+    left = leaps.changes_over(
+        y, starts.transpose(..., *array.isel(index).dims).values.reshape(-1, y.size)
+    )
+    if name == "share":  # which may step as it likes
+        return left
+    marks = [one.isel(index, missing_dims="ignore") for one in leaps.marks_of_motions(dataset)]
+    kinds = leaps.told_apart(leaps.kinds(dataset).broadcast_like(array).isel(index).values, marks)
+    logarithmic = points.is_logarithmic(settings, "y")
+    return left | leaps.leaps(y, kinds, points.shown_of(settings, y), logarithmic)
 
 
 def _narrowed(

@@ -27,6 +27,8 @@ SHADES = {"slip+": 0.15, "slip-": 0.3, "stick": 0.4, "separation": 0.4}
 LETTERS = 19  # for which a panel has room at least
 COLUMNS = 600  # short times over which the range of many samples is drawn ...
 FEWEST_IN_COLUMN = 8  # ... where there are as many
+FLAT = 6.0  # times the extent of a motion that a range has which shows little of it
+ALIKE = 0.02  # share of their time by which motions begin and end apart that have one axis of it
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
@@ -38,7 +40,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     motions = motion.motions(dataset, settings)
     names = motion.variables(dataset, settings)
     rows = [
-        (name, own) for name in names for own in motion.of_each_contact(dataset, name, settings)
+        (name, points.of_panel(own, number, [name]))
+        for number, name in enumerate(names)
+        for own in motion.of_each_contact(dataset, name, settings)
     ]
     figure, axes = _draw_panels(dataset, motions, rows, names)
     every = [own for _, own in rows]
@@ -60,8 +64,9 @@ def _draw_panels(
     """Blocks of a column for each motion, as many as stand side by side, and of all rows."""
     columns = style.side_by_side(len(motions), len(motions), LETTERS)
     blocks = -(-len(motions) // columns)
-    title, shared = points.title(dataset), "col" if blocks == 1 else False
-    figure, axes = style.new_panels(blocks * len(rows), columns, title, sharex=shared)
+    figure, axes = style.new_panels(
+        blocks * len(rows), columns, points.title(dataset), sharex=_shared(motions, blocks)
+    )
     for number, ax in enumerate(axes):
         below, column = divmod(number, columns)
         block, row = divmod(below, len(rows))
@@ -76,7 +81,29 @@ def _draw_panels(
             ax.set_ylabel(motion.label_of(dataset[name], own))
         if row == len(rows) - 1:
             ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
+    for row in range(len(rows)):
+        _share_heights([ax for n, ax in enumerate(axes) if n // columns % len(rows) == row])
     return figure, axes
+
+
+def _shared(motions: Sequence[motion.Motion], blocks: int) -> Any:
+    """Which panels have one axis of time: all, where motions are about as long, else a column."""
+    if blocks > 1:
+        return False
+    first, last = np.transpose([one.time[[0, -1]] for one in motions if one.time.size])
+    apart = max(np.ptp(first), np.ptp(last))
+    return "all" if apart <= ALIKE * (last.max() - first.min()) else "col"
+
+
+def _share_heights(axes: Sequence[Axes]) -> None:
+    """Let panels of one variable have one range of it, unless some would be flat there."""
+    extents = [
+        np.ptp(ax.dataLim.intervaly) for ax in axes if np.isfinite(ax.dataLim.intervaly).all()
+    ]
+    low, high = np.transpose([ax.get_ylim() for ax in axes if ax.axison])
+    if extents and high.max() - low.min() <= FLAT * min(extents):
+        for ax in axes:
+            ax.set_ylim(low.min(), high.max())
 
 
 def _panel(

@@ -19,9 +19,11 @@ import numpy as np
 from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from numpy.lib.stride_tricks import sliding_window_view
 
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
+from fiv_cli.notation.names import listed
 from fiv_cli.plots import labels, points, style
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import ends_of, flag_names
@@ -47,6 +49,8 @@ STEP = 0.25  # between points of other lines, in heights of letters
 PAD = 0.25  # around a level that is written, in heights of its letters
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 NOT_KNOWN = "not known"
+NO_CELLS = np.empty((0, 4))
+IN_A_ROW = "passed in one row of points alone (a line leads between two)"
 RIM: Any = [withStroke(linewidth=2.3, foreground="white")]  # of lines on any shade
 # Of each level the planes whose line is drawn: one, or one for each end of what its values may be.
 Panel: TypeAlias = Sequence[Sequence[np.ndarray]]
@@ -184,11 +188,11 @@ def draw(
     named: bool = True,
     rim: bool = False,
     styles: Sequence[Any] = STYLES,
-) -> None:
+) -> Collection[float]:
     """Lines where the planes of a panel reach their levels, one for each end of what is drawn.
 
-    Each has its level written on it, if they are `named` and each has the room; a `rim` sets them
-    off from any shade.
+    Each has its level written on it, if they are `named` and each has the room: those levels. A
+    `rim` sets them off from any shade.
     """
     drawn = []
     for level, ends, dashes in zip(levels, planes, styles, strict=False):
@@ -202,8 +206,7 @@ def draw(
                 lines.set_path_effects(RIM if rim else [])
                 lines.set_label(points.unlisted(label, _words(array, level, levels)))
                 drawn.append((lines, level))
-    if named and _has_room(ax, levels):
-        _name(ax, drawn, levels)
+    return _name(ax, drawn, levels) if named and _has_room(ax, levels) else ()
 
 
 def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
@@ -230,8 +233,10 @@ def _height(ax: Axes) -> float:
     return float(mpl.rcParams["legend.fontsize"] * ax.figure.dpi / style.POINTS)
 
 
-def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]) -> None:
-    """Write each level on its lines that have the room; the legend tells all of them.
+def _name(
+    ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]
+) -> Collection[float]:
+    """Write each level on its lines that have the room, and say which; the legend tells all.
 
     Of the lines of two ends on those of one of them, and a single level once.
     """
@@ -260,6 +265,7 @@ def _name(ax: Axes, drawn: Sequence[tuple[QuadContourSet, float]], levels: Seque
             text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
             upwards = (text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
             text_.set_rotation(min(upwards, 90.0))  # none is turned over
+    return {level for _, level, places in found if places}
 
 
 def _rooms(
@@ -381,8 +387,17 @@ def _side(part: np.ndarray, level: float) -> str:
     if known.size == 0:
         return NOT_KNOWN
     if known.max() <= level:
-        return "below"
-    return "" if known.min() < level else "above"
+        return "below everywhere"
+    if known.min() >= level:
+        return "above everywhere"
+    return "" if _is_passed(part, level) else IN_A_ROW
+
+
+def _is_passed(part: np.ndarray, level: float) -> bool:
+    """Whether a line leads through it: between three points, or four, that are neighbours."""
+    cells = sliding_window_view(part, (2, 2)).reshape(-1, 4) if min(part.shape) > 1 else NO_CELLS
+    cells = cells[np.isfinite(cells).sum(axis=1) > 2]
+    return bool(np.any((np.nanmin(cells, axis=1) <= level) & (level < np.nanmax(cells, axis=1))))
 
 
 def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]) -> Iterator[str]:
@@ -390,7 +405,27 @@ def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]
     for number, level in enumerate(levels):
         sides = {_beside(plane, level) for panel in panels for plane in panel[number]}
         if "" not in sides:
-            yield f"no line {_words(array, level, levels)}: {' or '.join(sorted(sides))} everywhere"
+            yield f"no line {_words(array, level, levels)}: {' or '.join(sorted(sides))}"
+
+
+def unwritten(
+    array: xr.DataArray,
+    panels: Sequence[Panel],
+    levels: Sequence[float],
+    written: Collection[float],
+) -> Iterator[str]:
+    """Which of several levels are written on no line of theirs, and so told by dashes alone."""
+    drawn = {
+        level: labels.number_text(level, levels)
+        for number, level in enumerate(levels)
+        if any(not _beside(plane, level) for panel in panels for plane in panel[number])
+    }
+    left = [text for level, text in drawn.items() if level not in written]
+    if len(drawn) > 1 and left:
+        yield (
+            f"{array.name} = {listed(left)}: told in the legend alone, for want of room on its "
+            "lines; more: --width, --height, fewer panels (select)"
+        )
 
 
 def overlay(
@@ -451,8 +486,7 @@ def _both(planes: Sequence[Sequence[np.ndarray]]) -> str:
 def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> str:
     """The label of a plane; of one without a line it says on which side of the levels it lies."""
     sides = {_beside(plane, level) for plane in ends for level in levels}
-    side = next(iter(sides)) if len(sides) == 1 else ""
-    return points.joined(label, side and f"{side} everywhere" if side != NOT_KNOWN else side)
+    return points.joined(label, next(iter(sides)) if len(sides) == 1 else "")
 
 
 def _words(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import TYPE_CHECKING, Any
@@ -76,7 +76,6 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )
-    style.add_notes(figure, missed)
     is_class = bool(flag_names(planes.array.attrs))
     colours = [_colour(one, is_class) for one in lines]
     keys = [key for one, colour in zip(lines, colours, strict=True) for key in one.keys(colour)]
@@ -86,11 +85,14 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         shades = [points.in_si(end) for end in settings.get("zlim", ())]
         logarithmic = points.is_logarithmic(settings, "z")
         _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
+    written: set[float] = set()
     for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
         for one, colour in sorted(zip(lines, colours, strict=True), key=_is_written_on):
-            one.draw(ax, panel, colour)
+            written |= {*one.draw(ax, panel, colour)}
         _dress(ax, number, columns, planes)
         points.scale(ax, settings)
+    own = (one for one in lines if isinstance(one, _Lines) and one.of_the_map)
+    style.add_notes(figure, [*missed, *(word for one in own for word in one.unwritten(written))])
     return figure
 
 
@@ -193,12 +195,16 @@ class _Lines:
         """Entries of a legend."""
         return levels.keys(self.planes.array, self.levels, colour, self.ends, self.styles)
 
-    def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> None:
-        """Draw those of one panel."""
+    def unwritten(self, written: Collection[float]) -> Iterator[str]:
+        """What to do about levels that are not written on their lines."""
+        return levels.unwritten(self.planes.array, self.ends, self.levels, written)
+
+    def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> Collection[float]:
+        """Draw those of one panel; the levels that are written on their lines."""
         array, places, ends = self.planes.array, self.planes.places, self._ends(panel)
         own = self.of_the_map
         look: dict[str, Any] = {"named": own, "rim": not own, "styles": self.styles}
-        levels.draw(ax, array, places, ends, self.levels, colour, **look)
+        return levels.draw(ax, array, places, ends, self.levels, colour, **look)
 
 
 def _lines(

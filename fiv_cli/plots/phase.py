@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import cycle
+from itertools import chain, cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +30,8 @@ HEAD: dict[str, Any] = {
 }  # fmt: skip
 # A head's length, and how far along a curve a place for it is looked for, as shares of its extent.
 ROOM, TURN, PLACES = 0.06, 4.0, 300
-CLEAR = 0.1  # of the extent: a start as near as that would be hidden
+# Of the extent: a start as near as that would be hidden, and a piece as short, of the last so many.
+CLEAR, SHORT, MOST_PIECES = 0.1, 0.12, 20
 MARKERS = "osD^vphX"
 MARK: dict[str, Any] = {"ms": 5, "mfc": "none", "color": style.BLACK, "ls": "none"}
 # A path retraces itself where, having been AWAY, it comes BACK to its start, in shares of its
@@ -212,11 +213,12 @@ def _panel(
     for state, pieces in stretches.items():
         look = {"color": style.CLASSES[state], "lw": 1.0, "ls": mark.dash}
         path.draw(ax, pieces, points.joined(one.label, state), **look)
+    sticks = [(of, path.between(*span)) for of, *span in _bands(one, settings)]
     if not path.is_coarse:
-        _point_onwards(ax, path.points)
-    for contact, begin, end in _bands(one, settings):
+        _point_onwards(ax, path.points, [*chain(*stretches.values()), *(p for _, p in sticks)])
+    for contact, piece in sticks:
         stick = points.unlisted(one.label, motion.sticking(contact))
-        path.draw(ax, [path.between(begin, end)], stick, **_band(contact))
+        path.draw(ax, [piece], stick, **_band(contact))
     if mark.label:
         label = points.unlisted(one.label, mark.label)
         ax.plot(*path.points[0], marker=mark.marker, label=label, **MARK)
@@ -246,9 +248,10 @@ def _rest(ax: Axes, one: motion.Motion, names: tuple[str, str], mark: _Mark) -> 
     ax.plot(*place, marker=mark.marker, label=points.unlisted(one.label, mark.label), **MARK)
 
 
-def _point_onwards(ax: Axes, path: np.ndarray) -> None:
+def _point_onwards(ax: Axes, path: np.ndarray, pieces: Sequence[np.ndarray]) -> None:
     """An arrowhead in the direction of the motion, on the straightest stretch of its curve off its
-    start: where its second half, which is nearer to a closed one, is wide enough, there."""
+    start, and off such pieces of it as it would hide: where its second half, which is nearer to a
+    closed one, is wide enough, there."""
     halves, extent = (path[len(path) // 2 :], path), np.ptp(path, axis=0)
     late = next(half for half in halves if (np.ptp(half, axis=0) >= WIDE * extent).all())
     scaled = late / np.where(extent > 0.0, extent, 1.0)
@@ -257,8 +260,10 @@ def _point_onwards(ax: Axes, path: np.ndarray) -> None:
     even = np.column_stack([np.interp(places, along, scaled[:, axis]) for axis in (0, 1)])
     reach = min(1 + int(ROOM * PLACES / max(places[-1], ROOM)), PLACES // 3 - 1)
     chords = np.linalg.norm(even[3 * reach :] - even[: -3 * reach], axis=1)
-    start = path[0] / np.where(extent > 0.0, extent, 1.0)
-    off = np.linalg.norm(0.5 * (even[3 * reach :] + even[: -3 * reach]) - start, axis=1)
+    small = [piece for piece in pieces if (np.ptp(piece, axis=0) < SHORT * extent).all()]
+    hidden = np.concatenate([path[:1], *small[-MOST_PIECES:]]) / np.where(extent > 0.0, extent, 1.0)
+    middle = 0.5 * (even[3 * reach :] + even[: -3 * reach])
+    off = np.linalg.norm(middle[:, None] - hidden, axis=-1).min(axis=1)
     chords[off < CLEAR] *= 0.5
     if along[-1] > 0.0:
         tail, tip = (even[int(chords.argmax()) + n * reach] * extent for n in (1, 2))

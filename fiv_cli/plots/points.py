@@ -424,7 +424,7 @@ def is_of(whose: str, entry: str) -> bool:
 
 def unlisted(*words: str) -> str:
     """What a line is called where it has no entry of its own in the legend."""
-    return f"_{joined(*words).removeprefix('_')}"
+    return f"_{joined(*(word.removeprefix('_') for word in words))}"
 
 
 @dataclass(frozen=True)

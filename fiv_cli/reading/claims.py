@@ -466,7 +466,8 @@ def _steps_between(dataset: xr.Dataset, take: Mapping[str, Any]) -> str:
     if axis.size < 2 or not select.is_numeric(axis):
         return ""
     step = float(np.abs(np.diff(axis.values)).max())
-    return f"; {axis.name} goes in steps of {step:.4g}: a `boundary` finds what lies between"
+    finder = "critical" if "eigenvalue_real" in dataset else "boundary"
+    return f"; {axis.name} goes in steps of {step:.4g}: a `{finder}` finds what lies between"
 
 
 def _sharpened(analysis: str, dataset: xr.Dataset, reached: xr.DataArray | None) -> str:

@@ -12,6 +12,7 @@ from fiv_cli.friction import get_law
 from fiv_cli.friction.base import Law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Model
+from fiv_cli.models.excitation import terms_of
 
 NAMED = ("preload", "speed", "friction", "amplitude", "frequency")
 """Roles of parameters of a model whose defaults are named; of the others it is said how many."""
@@ -30,9 +31,10 @@ def defaults(case: Case, given: Collection[str]) -> dict[str, float]:
 def defaults_text(case: Case, given: Collection[str]) -> list[str]:
     """Those of the laws, and of the model those that decide what it does; of the rest how many."""
     model, left = get_model(case.model), defaults(case, given)
+    plain, *_ = terms_of(model.name)
     counted = {one.name for one in model.parameters if one.role not in NAMED} & left.keys()
     told = [f"{name} = {value:.12g}" for name, value in left.items() if name not in counted]
-    more = f"{len(counted)} {'more' if told else 'parameters'}: fiv models {model.name}"
+    more = f"{len(counted)} {'more' if told else 'parameters'}: fiv models {plain}"
     set_here = {name for law in case.laws for name in model.defaults_of(get_law(law))}
     theirs = [name for name in _left(case, given) if name in set_here]
     of_model = f"  {', '.join(theirs)}: the default of {model.name}, not of the law"

@@ -492,7 +492,7 @@ def _parallel(analysis: AnalysisPlan, crew: Crew) -> float:
     """How many points are run at once: of a chain one after the other."""
     entries = analysis.template.entries
     chained = [entry for entry in entries if entry is not None and continues(entry)]
-    most = min(crew.workers, crew.cores)
+    most = min(crew.workers, crew.cores, max(1, _points(analysis)))
     if len(chained) < len(entries):
         return most
     return min(most, analysis.size / max(c.positions.shape[1] for c in analysis.chain_sets()))
