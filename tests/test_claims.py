@@ -304,6 +304,10 @@ def test_of_several_values_at_a_point_the_finding_says_how_to_take_one():
     assert verdict.found.endswith("at = { crossing = 0 } takes the first")
     assert tried(dataset, "boundary", asked, {"crossing": 0}).verdict == CONFIRMED
     assert "crossing" not in tried(dataset.isel(mu_k=[0]), "boundary", {"less_than": 4}).found
+    counted = dataset.assign(n_crossings=("mu_k", np.array([1, 2]), {"units": "1"}))
+    verdict = tried(counted, "boundary", "increasing", {"crossing": 1})
+    assert verdict.verdict == UNDETERMINED
+    assert verdict.found.endswith("1 of 2 have no crossing 1 (n_crossings)")
 
 
 def flags(reasons):

@@ -49,6 +49,7 @@ from fiv_cli.plots.bifurcation import FINEST
 from fiv_cli.plots.branch import stretches
 from fiv_cli.plots.critical_lines import _is_inside
 from fiv_cli.plots.curve import _narrowed
+from fiv_cli.plots.drawing import _meant
 from fiv_cli.plots.drawn import DECORATION, as_csv, in_one_line
 from fiv_cli.plots.law import force
 from fiv_cli.plots.levels import MOST_WRITTEN
@@ -634,6 +635,15 @@ def test_a_leap_within_a_kind_breaks_a_curve_but_no_steep_beginning(to, breaks):
     heights = np.array([*(1.0 + 0.01 * np.arange(8)), *to])
     found = leaps.leaps(heights, np.ones(16), (1.0, 6.0), False)
     assert np.flatnonzero(found).tolist() == breaks
+
+
+def test_a_leap_from_a_lone_point_is_one_though_its_kind_stays():
+    """Before it all is chaos; after it the amplitude is more than twice as great, and grows."""
+    heights = np.array([np.nan, 0.0131, 0.0313, 0.0335, 0.0356, 0.0375, 0.0393, 0.0411])
+    found = leaps.leaps(heights, np.ones(8), (0.0131, 0.0411), False)
+    assert np.flatnonzero(found).tolist() == [1]
+    root = np.sqrt(np.arange(8.0))  # which begins steeply
+    assert not leaps.leaps(root, np.ones(8), (0.0, 2.7), False).any()
 
 
 @pytest.mark.parametrize(("log", "breaks"), [(False, 0), ("y", 1)])
@@ -2264,12 +2274,16 @@ def test_a_legend_has_no_more_columns_than_its_rows_need():
     assert style.columns_of(["word"] * 6, 4) == style.columns_of([], 4) == 1
 
 
-@pytest.mark.parametrize(("width", "is_written"), [(90.0, False), (240.0, True)])
-def test_levels_are_written_where_a_panel_is_large_beside_them(width, is_written):
+@pytest.mark.parametrize(
+    ("width", "more", "is_written"),
+    [(85.0, 1.2345e-7, False), (90.0, 0.0, True), (240.0, 1e-9, True)],
+)
+def test_levels_are_written_where_a_panel_is_large_beside_them(width, more, is_written):
     dataset = data.stability_map()
-    asked = figure("map", variable="L_s", level=[0.0005, 0.001])
+    asked = figure("map", variable="L_s", level=[0.0005 + more, 0.001])
     drawn = draw(dataset, asked, look=look_of("paper", width=width))
     assert bool(drawn.axes[0].texts) == is_written
+    assert is_written or style.notes_on(drawn)
     assert any("0.0005" in text.get_text() for text in drawn.legends[0].get_texts())
 
 
@@ -2459,6 +2473,8 @@ def test_words_of_ones_own_may_stand_for_a_variable_by_its_name():
     drawn = draw(dataset, wanted)
     told = [text.get_text() for one in drawn.findobj(Legend) for text in one.get_texts()]
     assert told == ["strength and rest"]  # of one start they are the same
+    known = ["bound:boundary", "a:L_s", "b:L_s"]  # of another case, where no two have it
+    assert [_meant(word, known) for word in ("boundary", "L_s")] == ["bound:boundary", "L_s"]
 
 
 def test_a_contact_has_the_same_name_however_a_figure_writes_it():
@@ -2737,6 +2753,25 @@ def test_levels_written_on_lines_that_run_close_do_not_lie_on_each_other(width):
     assert all(x0 < b.x0 and b.x1 < x1 and y0 < b.y0 and b.y1 < y1 for b in boxes)
 
 
+@pytest.mark.parametrize("overlay", [False, True])
+def test_levels_on_logarithmic_axes_are_written_along_their_lines(overlay):
+    """Where x y is constant, which is straight and slopes down."""
+    dataset = data.stability_map(initial=("reached",), nx=40, ny=40)
+    x = np.geomspace(1e-3, 1.0, 40)
+    axes = {name: (name, x, dataset[name].attrs) for name in ("Omega", "N0")}
+    dataset = dataset.assign_coords(axes)
+    dataset["L_s"] = dataset["L_s"].copy(data=np.log10(x[:, None] * x)[..., None])
+    asked = {"variable": "L_s", "level": [-5.0, -3.0, -1.0], "log": "xy", "overlay": overlay}
+    drawn = draw(dataset, figure("map", **asked))
+    ax = drawn.axes[0]
+    slope = np.degrees(np.arctan(-ax.bbox.height / ax.bbox.width))
+    assert len(ax.texts) >= 3 and style.notes_on(drawn) == []
+    for text in ax.texts:
+        assert (text.get_rotation() - slope + 90.0) % 180.0 == pytest.approx(90.0, abs=2.0)
+        level = float(text.get_text().replace("\N{MINUS SIGN}", "-"))
+        assert np.log10(np.prod(text.get_position())) == pytest.approx(level, abs=0.05)
+
+
 def test_levels_on_steep_lines_are_all_written_upwards():
     response = with_growth()["response"]
     x, y = (response[name].values for name in ("Omega", "N0"))
@@ -2835,6 +2870,7 @@ def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
     values[:, :, 0] = np.linspace(0.0, 1.0, 20)[:, None]
     dataset["L_s"] = dataset["L_s"].copy(data=values)
     assert style.notes_on(draw(dataset, asked)) == []
+    dataset["L_s"] = dataset["L_s"].copy(data=values.transpose(1, 0, 2))
     (note,) = style.notes_on(draw(dataset, asked, look=look_of("paper", width=50.0)))
     assert note.startswith("L_s = 0.30001, 0.60001: told in the legend alone")
 
@@ -3959,6 +3995,10 @@ def test_motions_of_several_files_share_a_phase_portrait():
         if line.get_marker() in "os"
     }
     assert len(dashes) == 2
+    settled = unnamed[0][1].assign_attrs(steady_state="unstable cycle", point="x, settled")
+    for called, told in (("", "unstable cycle"), ("mine", "mine")):
+        cycle = ("a", settled.assign_attrs(called=called))
+        assert told in legend_texts(draw([cycle, unnamed[1]], figure("phase")).axes[0])
     reaches = [np.ptp(line.get_xydata()[:, 0]) for line in ax.lines]
     assert len(ax.texts) == 2 and len(reaches) >= 2
     with pytest.raises(UsageError, match="theta_dot: no variable over time"):
@@ -4043,6 +4083,20 @@ def test_of_whole_periods_a_spectrum_has_upright_lines_at_their_harmonics(period
     assert not log or ax.get_ylim()[0] == pytest.approx(1e-6 * top)
 
 
+def test_the_spectrum_of_what_jumps_between_samples_knows_where():
+    """A square wave, 1 for 0.3037 of its period and 0 else: |c_n| = |sin(0.3037 n pi)| / (n pi)."""
+    share, first, count = 0.3037, 0.2218, 100
+    time = np.arange(count + 1) / count
+    values = (((time - first) % 1.0) < share).astype(float)
+    edges = np.array([first, first + share])
+    _, whole = amplitude_spectrum(time, values, True, (edges, np.array([1.0, -1.0])))
+    numbers = np.arange(1, 11)
+    known = 2.0 * np.abs(np.sin(np.pi * share * numbers)) / (np.pi * numbers)
+    np.testing.assert_allclose(whole[1:11], known, rtol=1e-12)
+    _, sampled = amplitude_spectrum(time, values, True)
+    assert np.abs(sampled[1:11] / known - 1.0).max() > 0.01
+
+
 def test_a_phase_portrait_of_other_states():
     (ax,) = draw(data.history(labels=("far",)), figure("phase", x="theta", y="phi")).axes
     assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\theta$ (rad)", r"$\varphi$ (rad)")
@@ -4097,6 +4151,22 @@ def test_motions_need_a_history_and_a_choice():
     )
     with pytest.raises(UsageError, match="choose from initial"):
         draw(many, figure("phase"))
+    with pytest.raises(UsageError, match="next: fiv history CASE --at"):
+        draw(data.bifurcation(), figure("spectrum", variable=["F_N", "F_T"]))
+
+
+def test_motions_of_several_files_stand_side_by_side_in_a_history():
+    """Each by its start, or as a cycle, stable or not; with a range for all."""
+    far, near = (data.history(labels=(label,)).assign_attrs(called="") for label in ("far", "near"))
+    cycle = near.assign_attrs(steady_state="unstable cycle", point="v=1, settled")
+    drawn = draw([("a", far), ("b", cycle)], figure("history", variable="phi"))
+    assert [ax.get_title() for ax in drawn.axes] == ["far", "unstable cycle"]
+    assert len({ax.get_ylim() for ax in drawn.axes}) == 1
+    (phase,) = draw([("a", far), ("b", cycle)], figure("phase")).axes
+    assert {"start: far", "unstable cycle"} <= {*legend_texts(phase)}
+    lacking = near.drop_vars("theta_dot")
+    with pytest.raises(UsageError, match="theta_dot: no variable over time"):
+        draw([("a", far), ("b", lacking)], figure("history", variable="theta_dot"))
 
 
 @pytest.mark.parametrize("amplitude", [0.3, 2.0])

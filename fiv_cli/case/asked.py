@@ -68,7 +68,8 @@ def drawn_of_motions(case: Case) -> list[str]:
     held = (_variables(case, spec, True) or () for spec in case.analyses)
     if any(variable.name == "contact_state" for variables in held for variable in variables):
         return []
-    return [figure.name for figure in case.figures if figure.kind in ("history", "phase")]
+    steady = {spec.kind for spec in case.analyses} & {"spectrum", "spectrogram"}
+    return [one.name for one in case.figures if one.kind in OF_MOTIONS and one.kind not in steady]
 
 
 def numbers_of_refined(case: Case) -> list[tuple[str, str]]:

@@ -122,8 +122,8 @@ def command(
     """Draw the figures of datasets and print their paths.
 
     What is drawn stands in the [[figure]] tables of the case that the dataset carries; without
-    any, a figure of each kind that suits it. Several files share one figure where that makes
-    sense (curve, bifurcation, branch, phase), each called by what it differs in, or as --label
+    any, a figure of each kind that suits it. Several files share one figure where that makes sense
+    (curve, bifurcation, branch, history, phase), each called by what it differs in, or as --label
     says; a bifurcation diagram takes the cycles of files that hold a branch, and so does a curve of
     an amplitude or extreme; over basins lie, with --figure basin, the motions of histories. Kinds:
     map, basin, bifurcation, curve, branch, eigenvalues, history, phase, spectrum, spectrogram,

@@ -14,7 +14,7 @@ RECENT = 60.0
 
 EARLY = 0.1  # share of the points done below which they say little of the others
 YOUNG = 20.0  # seconds in which these few tell nothing at all
-LONG, UNBOUND = 60.0, ": t_max, or --time-limit, bounds what a point takes"  # s without one
+LONG, UNBOUND = 180.0, ": t_max, or --time-limit, bounds what a point takes"  # s without one
 LATE = 16  # the last instants, whose longest distance says until when nothing new is no delay
 
 

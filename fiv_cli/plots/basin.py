@@ -17,7 +17,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.collections import PolyCollection
 
-from fiv_cli.case.identity import STEADY_STATE
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
@@ -236,7 +235,7 @@ def _motions_in_time(layer: points.Layer, of_file: bool) -> list[motion.Motion]:
     given = dataset.attrs.get("called", layer.label)
     file = layer.label if of_file or given else ""
     names = [points.joined(file, one.label) for one in every]
-    word = _what_it_is(layer)
+    word = motion.what_it_is(dataset)
     labels_of = names if given else [f"{word}{': ' * bool(name)}{name}" for name in names]
     return [replace(one, label=label) for one, label in zip(every, labels_of, strict=True)]
 
@@ -244,12 +243,6 @@ def _motions_in_time(layer: points.Layer, of_file: bool) -> list[motion.Motion]:
 def _in_time(layer: points.Layer) -> xr.Dataset:
     """The analysis of a file that has motions in time, if one has."""
     return next(filter(motion.suits, (layer.dataset, *layer.beside)), layer.dataset)
-
-
-def _what_it_is(layer: points.Layer) -> str:
-    """A motion, or a cycle that is stable or not."""
-    reached = str(_in_time(layer).attrs.get(STEADY_STATE, ""))
-    return reached if reached.endswith("cycle") else "motion"
 
 
 def _lay_over(
@@ -260,7 +253,7 @@ def _lay_over(
     settings: points.Settings,
 ) -> None:
     """Motions of further files as thin black lines, each in the panels of its parameters."""
-    words = [_what_it_is(layer) for layer in layers]
+    words = [motion.what_it_is(_in_time(layer)) for layer in layers]
     alike = [len(words) > 1 and (word == "motion" or words.count(word) > 1) for word in words]
     every = chain(*map(_motions_in_time, layers, alike))
     for one, dash in zip(every, cycle(style.DASHES), strict=False):

@@ -70,7 +70,7 @@ KINDS: dict[str, Kind] = {
     "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True, completed=True),
     "curve": Kind(curve.suits, curve.draw, overlays=True, unasked=curve.has_an_axis),
     "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
-    "history": Kind(history.suits, history.draw),
+    "history": Kind(history.suits, history.draw, overlays=True),
     "phase": Kind(phase.suits, phase.draw, overlays=True),
     "spectrum": Kind(spectrum.suits, spectrum.draw),
     "spectrogram": Kind(spectrogram.suits, spectrogram.draw),
@@ -263,11 +263,19 @@ def draw(
 def _called(words: Collection[str], layers: Sequence[points.Layer]) -> dict[str, tuple[str, ...]]:
     """What a figure calls those of some words that are names of variables: at axes, and levels."""
     every = [dataset for one in layers for dataset in (one.dataset, *one.beside)]
-    known = {word: one[word] for word in words for one in every if word in one.data_vars}
+    known = {str(name): one[name] for one in every for name in one.data_vars}
+    meant = {word: _meant(word, known) for word in words}
     return {
-        word: (name_of(own), *_in_words(own, word.rpartition(":")[2]))
-        for word, own in known.items()
+        word: (name_of(known[name]), *_in_words(known[name], name.rpartition(":")[2]))
+        for word, name in meant.items()
+        if name in known
     }
+
+
+def _meant(word: str, known: Collection[str]) -> str:
+    """The variable that a word names: one of another case needs no case, if it is the only one."""
+    others = [name for name in known if name.endswith(f":{word}")]
+    return others[0] if len(others) == 1 and word not in known else word
 
 
 def _in_words(variable: xr.DataArray, name: str) -> list[str]:

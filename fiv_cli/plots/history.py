@@ -32,13 +32,14 @@ ALIKE = 0.02  # share of their time by which motions begin and end apart that ha
 
 
 def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
-    """A row for each variable, of each contact that it has a value of; a column for each motion.
+    """A row for each variable, of each contact that it has a value of; a column for each motion,
+    of whichever file.
 
     Of motions that have no room side by side further ones stand below.
     """
     dataset = layers[0].dataset
-    motions = motion.motions(dataset, settings)
-    names = motion.variables(dataset, settings)
+    motions = motion.of_files(layers, settings)
+    names, *_ = [motion.variables(one.dataset, settings) for one in layers]  # which all must have
     rows = [
         (name, points.of_panel(own, number, [name]))
         for number, name in enumerate(names)

@@ -84,9 +84,10 @@ def leaps(
         return np.zeros(steps.shape, bool)
     known = np.pad(np.where(differ, np.nan, steps), 1, constant_values=np.nan)
     beside, is_alone = np.fmax(known[:-2], known[2:]), np.isnan(known[:-2] + known[2:])
-    beside = np.where(np.isnan(beside), np.median(within), beside)
+    usual = np.median(within)
+    beside = np.where(is_alone, np.fmax(beside, usual), beside)
     grown = np.abs(np.diff(y)) > GROWN * np.minimum(np.abs(y[1:]), np.abs(y[:-1]))
     extent = float(np.ptp(np.log10(shown) if logarithmic else shown))
-    least = np.where(is_alone & ~grown, SEEN_ALONE, SEEN) * extent
+    least = np.where(is_alone & ~(grown & differ), SEEN_ALONE, SEEN) * extent
     least = np.maximum(np.where(differ, STEP, LEAP) * beside, least)
-    return np.asarray((differ | (grown & ~is_alone)) & (steps > least))
+    return np.asarray((differ | grown) & (steps > least))

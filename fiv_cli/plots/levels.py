@@ -40,9 +40,10 @@ ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 # far, from best to least; where that leaves no room, a line of another level that is still nearer
 # is one with it.
 CLEAR, ALIKE = (2.0, 1.4, 1.0), (0.4,)
-DOWNWARD = -70.0  # degrees: what would be written more steeply down is written up, as most is
+DOWNWARD = -60.0  # degrees: what would be written more steeply down is written up, as most is
 MOST_WRITTEN = 4  # times each of several levels: on its longest lines, not on each island
-WIDEST = 0.16  # of a panel: levels that take more hide what they name, and the legend tells them
+# Of a panel's width and height: levels that take more hide what they name; the legend tells them.
+LARGEST = np.array([0.16, 0.3])
 TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
 MOST_PLACES, MOST_ELSEWHERE = 300, 5000
 STEP = 0.25  # between points of other lines, in heights of letters
@@ -206,7 +207,7 @@ def draw(
                 lines.set_path_effects(RIM if rim else [])
                 lines.set_label(points.unlisted(label, _words(array, level, levels)))
                 drawn.append((lines, level))
-    return _name(ax, drawn, levels) if named and _has_room(ax, levels) else ()
+    return _name(ax, drawn, levels) if named else ()
 
 
 def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
@@ -220,12 +221,6 @@ def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
     rows, columns = part.shape
     around = sum(rest[i : i + rows, j : j + columns] for i in range(3) for j in range(3))
     return np.where(at, level + rounding * np.where(around < 0.0, -1.0, 1.0), part)
-
-
-def _has_room(ax: Axes, levels: Sequence[float]) -> bool:
-    """Whether a panel is large beside what would be written on it."""
-    texts = [labels.number_text(level, levels) for level in levels]
-    return bool(style.longest(texts) * style.LETTER * _height(ax) < WIDEST * ax.bbox.width)
 
 
 def _height(ax: Axes) -> float:
@@ -286,7 +281,6 @@ def _rooms(
     length = 2.0 * (box[0] - PAD * height)
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
     pixels = ax.transData.transform
-    low, high = ax.bbox.min + box, ax.bbox.max - box
     near, far = (
         np.concatenate([np.zeros((0, 2)), *(_dense(pixels(one), STEP * height) for one in pieces)])
         for pieces in (others[0], crossing)
@@ -299,7 +293,11 @@ def _rooms(
         piece = _thinned(whole, MOST_PLACES)
         along = pixels(piece)
         apart = _distances(along, [along[0], along[-1]])
-        apart[((along < low) | (along > high)).any(axis=1)] = 0.0
+        ahead = np.abs(_directions(along))
+        half = box[0] * ahead + box[1] * ahead[:, ::-1]
+        outside = (along - half < ax.bbox.min) | (along + half > ax.bbox.max)
+        too_large = length * ahead > LARGEST * ax.bbox.size
+        apart[(outside | too_large).any(axis=1)] = 0.0
         off = _distances(along, taken)
         for share in others[1]:
             around = max(1.0, share) * box
@@ -335,10 +333,16 @@ def _dense(line: np.ndarray, step: float) -> np.ndarray:
     return np.column_stack([np.interp(at, way[known], one[known]) for one in line.T])
 
 
+def _directions(along: np.ndarray) -> np.ndarray:
+    """Those of a line at its points, of length one."""
+    ahead = np.gradient(along, axis=0) if len(along) > 1 else np.ones((1, 2))
+    size = np.linalg.norm(ahead, axis=1, keepdims=True)
+    return np.asarray(ahead / np.maximum(size, np.finfo(float).tiny))
+
+
 def _in_frames(along: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Distances of points from each of a line, along it and across, shape (line, points, 2)."""
-    ahead = np.gradient(along, axis=0) if len(along) > 1 else np.ones((1, 2))
-    ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), np.finfo(float).tiny)
+    ahead = _directions(along)
     apart, across = points - along[:, None], ahead[:, ::-1] * (-1.0, 1.0)
     return np.abs(np.stack([(apart * one[:, None]).sum(-1) for one in (ahead, across)], axis=-1))
 
@@ -439,27 +443,26 @@ def overlay(
     plane, a kind of line for each level or, of a single level, for each plane."""
     if not levels:
         raise UsageError("maps are overlaid as lines, and no `level` says which")
-    colours, handles, single = style.line_colours(len(planes)), [], len(levels) == 1
-    for number, ((label, ends), colour) in enumerate(zip(planes, colours, strict=True)):
-        dash = style.dash(number, len(planes)) if single else "-"
-        styles = [dash] if single else STYLES
-        look: dict[str, Any] = {"label": label, "named": not single, "styles": styles}
-        draw(ax, array, places, [ends] * len(levels), levels, colour, **look)
-        handles.append(Line2D([], [], color=colour, ls=dash, label=_entry(label, ends, levels)))
-    told = [handle for handle in handles if handle.get_label()]
+    figure, colours, single = ax.figure.figure, style.line_colours(len(planes)), len(levels) == 1
+    dashes = [style.dash(number, len(planes)) if single else "-" for number in range(len(planes))]
+    told = [
+        Line2D([], [], color=colour, ls=dash, label=word)
+        for (label, ends), colour, dash in zip(planes, colours, dashes, strict=True)
+        if (word := _entry(label, ends, levels))
+    ]
     every = [ends for _, ends in planes]
     panels = [[ends] * len(levels) for ends in every]
-    told += [] if single else keys(array, levels, style.BLACK, panels)
-    # an axis without points of its own would be as large as the lines alone
-    ax.set(xlim=_range(places[0]), ylim=_range(places[1]))
-    if told:
-        style.legend_below(
-            ax.figure.figure,
-            told,
-            f"{_words(array, levels[0], levels)}{_both(every)}" if single else "",
-        )
-    else:
-        style.legend_below(ax.figure.figure, keys(array, levels, colours[0], panels))
+    of_all = keys(array, levels, style.BLACK if len(planes) > 1 else colours[0], panels)
+    heading = f"{_words(array, levels[0], levels)}{_both(every)}" if told and single else ""
+    style.legend_below(figure, [*told, *([] if told and single else of_all)], heading)
+    figure.draw_without_rendering()  # levels are written along lines as they look
+    written: set[float] = set()
+    for (label, ends), colour, dash in zip(planes, colours, dashes, strict=True):
+        look: dict[str, Any] = {"label": label, "named": not single}
+        look["styles"] = [dash] if single else STYLES
+        written |= {*draw(ax, array, places, [ends] * len(levels), levels, colour, **look)}
+    if not single:
+        style.add_notes(figure, [*unwritten(array, panels, levels, written)])
 
 
 def keys(
@@ -493,7 +496,3 @@ def _words(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:
     unit = labels.unit_text(str(array.attrs.get("units", "1")))
     own, value = labels.quantity(array, str(array.name)), labels.number_text(level, levels)
     return f"{own} = {value} {unit}".rstrip()
-
-
-def _range(places: np.ndarray) -> tuple[float, float]:
-    return float(places.min()), float(places.max())

@@ -85,11 +85,15 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         shades = [points.in_si(end) for end in settings.get("zlim", ())]
         logarithmic = points.is_logarithmic(settings, "z")
         _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
+    for number, ax in enumerate(axes[: len(planes.panels)]):
+        _dress(ax, number, columns, planes)
+        points.scale(ax, settings)
+    if lines:  # levels are written along lines as they look
+        figure.draw_without_rendering()
     written: set[float] = set()
-    for number, (ax, panel) in enumerate(zip(axes, planes.panels, strict=False)):
+    for ax, panel in zip(axes, planes.panels, strict=False):
         for one, colour in sorted(zip(lines, colours, strict=True), key=_is_written_on):
             written |= {*one.draw(ax, panel, colour)}
-        _dress(ax, number, columns, planes)
         points.scale(ax, settings)
     own = (one for one in lines if isinstance(one, _Lines) and one.of_the_map)
     style.add_notes(figure, [*missed, *(word for one in own for word in one.unwritten(written))])
@@ -320,9 +324,12 @@ def _overlaid(
     figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
     ends = [(panel.label, planes.ends(panel)) for panel in planes.panels]
     wanted = [level for one in own for level in one.levels]
-    levels.overlay(ax, planes.array, ends, planes.places, wanted)
     for axis, which in zip(planes.axes, "xy", strict=True):
         points.dress_axis(ax, axis, which)
+    # an axis without points of its own would be as large as the lines alone
+    ax.set(**{f"{w}lim": (at.min(), at.max()) for w, at in zip("xy", planes.places, strict=True)})
+    points.scale(ax, settings)
+    levels.overlay(ax, planes.array, ends, planes.places, wanted)
     points.scale(ax, settings)
     return figure
 

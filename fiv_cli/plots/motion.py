@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.lines import Line2D
 
+from fiv_cli.case.identity import STEADY_STATE
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import ENDED_EARLY, MOTION_OF_A_CYCLE
 from fiv_cli.plots import labels, points
 from fiv_cli.reading import sampling, select
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 MOST_MOTIONS = 4
 MOST_OVERLAID = 20
@@ -114,6 +113,20 @@ class Motion:
         """
         if not self.instants.size:
             return values
+        before, after = self._sides(name, values)
+        if self.data[name].attrs.get("units") in JUMPING:
+            # friction has bounds: no value is drawn beyond those of samples
+            bounds = np.nanmin(values), np.nanmax(values)
+            before, after = np.clip(before, *bounds), np.clip(after, *bounds)
+        return np.insert(values, *self._pairs(before, after))
+
+    def jumps(self, name: str, values: np.ndarray) -> np.ndarray:
+        """How far a variable jumps at each of the instants."""
+        before, after = self._sides(name, values)
+        return after - before
+
+    def _sides(self, name: str, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values before and after each of the instants."""
         rates = self.data[f"{name}_dot"].values if f"{name}_dot" in self.data else None
         before, after = (
             sampling.led_to(self.instants, self.time, values, side, rates) for side in (-1, 1)
@@ -123,15 +136,18 @@ class Motion:
             fewest, jumps = 1 + (rates is None), np.isin(self.instants, impacts)
             met = self._met(values, before, after, fewest)
             before, after = np.where(jumps, before, met), np.where(jumps, after, met)
-        else:  # friction has bounds: no value is drawn beyond those of samples
-            bounds = np.nanmin(values), np.nanmax(values)
-            before, after = np.clip(before, *bounds), np.clip(after, *bounds)
-        return np.insert(values, *self._pairs(before, after))
+        return before, after
 
 
 def suits(dataset: xr.Dataset) -> bool:
     """Whether the dataset holds motions in time."""
     return "time" in dataset.variables and "contact_state" in dataset
+
+
+def what_it_is(dataset: xr.Dataset) -> str:
+    """A motion, or a cycle that is stable or not."""
+    reached = str(dataset.attrs.get(STEADY_STATE, ""))
+    return reached if reached.endswith("cycle") else "motion"
 
 
 def refuse_without(dataset: xr.Dataset) -> None:
@@ -165,6 +181,28 @@ def motions(dataset: xr.Dataset, settings: points.Settings) -> list[Motion]:
     found = [_motion(dataset, line, begin, end) for line in lines]
     points.refuse_empty(dataset, any(motion.time.size for motion in found), f"time{span}")
     return found
+
+
+def of_files(layers: Sequence[points.Layer], settings: points.Settings) -> list[Motion]:
+    """The motions of all datasets: by their starts where these tell them apart, whatever the case,
+    and the only cycle that is stable, or not, by that.
+
+    Else by what their datasets are called too; so where a name was given to these.
+    """
+    found = [(layer, one) for layer in layers for one in motions(layer.dataset, settings)]
+    starts = [
+        str(one.data.coords.get("initial", xr.DataArray(one.label)).values) for _, one in found
+    ]
+    given = any(layer.dataset.attrs.get("called", layer.label) for layer in layers)
+    by_start = all(one.label in ("", start) for (_, one), start in zip(found, starts, strict=True))
+    if len(layers) > 1 and by_start and not given and len({*starts}) == len(starts):
+        whats = [what_it_is(layer.dataset) for layer, _ in found]
+        names = [
+            start if what == "motion" or whats.count(what) > 1 else what
+            for what, start in zip(whats, starts, strict=True)
+        ]
+        return [replace(one, label=name) for (_, one), name in zip(found, names, strict=True)]
+    return [replace(one, label=points.joined(layer.label, one.label)) for layer, one in found]
 
 
 def _motion(dataset: xr.Dataset, line: points.Line, begin: float, end: float) -> Motion:
@@ -208,6 +246,7 @@ def variables(dataset: xr.Dataset, settings: points.Settings) -> list[str]:
 
 def known_variable(dataset: xr.Dataset, name: str) -> str:
     """`name`, when it varies in time; UsageError otherwise."""
+    refuse_without(dataset)
     if name not in dataset or "time" not in dataset[name].dims:
         known = [str(n) for n, v in dataset.data_vars.items() if "time" in v.dims]
         raise UsageError(f"{name}: no variable over time\nthere are: {', '.join(known)}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain, cycle
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +49,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """
     datasets = [layer.dataset for layer in layers]
     dataset, shared = datasets[0], bool(settings.get("overlay")) or len(layers) > 1
-    motions = _named(layers, {**settings, "overlay": shared})
+    motions = motion.of_files(layers, {**settings, "overlay": shared})
     names, *_ = [_states(one, settings) for one in datasets]  # which all must have
     marks = _marks(motions, shared, settings)
     figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(*datasets))
@@ -82,22 +82,6 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     return figure
 
 
-def _named(layers: Sequence[points.Layer], settings: points.Settings) -> list[motion.Motion]:
-    """The motions of all datasets: by their starts where these tell them apart, whatever the case.
-
-    Else by what their datasets are called too; so where a name was given to these.
-    """
-    found = [(layer, one) for layer in layers for one in motion.motions(layer.dataset, settings)]
-    starts = [
-        str(one.data.coords.get("initial", xr.DataArray(one.label)).values) for _, one in found
-    ]
-    given = any(layer.dataset.attrs.get("called", layer.label) for layer in layers)
-    by_start = all(one.label in ("", start) for (_, one), start in zip(found, starts, strict=True))
-    if len(layers) > 1 and by_start and not given and len({*starts}) == len(starts):
-        return [replace(one, label=start) for (_, one), start in zip(found, starts, strict=True)]
-    return [replace(one, label=points.joined(layer.label, one.label)) for layer, one in found]
-
-
 @dataclass(frozen=True)
 class _Mark:
     """What stands at the first sample of a motion, or where it rests; "" is unmarked."""
@@ -119,8 +103,13 @@ def _marks(
     words = [_of_first_sample(one.data, settings) for one in motions]
     if not shared or not 1 < len(motions) <= len(MARKERS):
         return [_Mark(word, MARKERS[word == "at rest"]) for word in words]
-    named = zip(words, motions, MARKERS, cycle(style.DASHES))
-    return [_Mark(f"{word or 'motion'}: {one.label}", mark, ls) for word, one, mark, ls in named]
+    whats = [word or motion.what_it_is(one.data) for word, one in zip(words, motions, strict=True)]
+    alone = [what.endswith("cycle") and whats.count(what) == 1 for what in whats]
+    told = [
+        one.data.attrs.get("called") or what if is_alone else f"{what}: {one.label}"
+        for what, one, is_alone in zip(whats, motions, alone, strict=True)
+    ]
+    return [_Mark(word, mark, ls) for word, mark, ls in zip(told, MARKERS, cycle(style.DASHES))]
 
 
 def _of_first_sample(data: xr.Dataset, settings: points.Settings) -> str:

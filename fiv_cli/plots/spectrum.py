@@ -37,7 +37,8 @@ UNIFORM = 1e-6
 FEWEST_SAMPLES = 16
 CLOSED = 1e-6  # share of its extent within which a motion that ends where it began has closed
 MARGIN = 1.05  # of the highest frequency that is shown
-LOG_DECADES = 6.0  # of amplitude on an axis of them
+LOG_DECADES, LINEAR_DECADES = 6.0, 2.0  # of amplitude on an axis of them, and on a plain one
+NO_JUMPS = np.zeros(0), np.zeros(0)
 FEW = 3  # spectra that are lines, though a parameter varies
 DECADES = 3.0  # of amplitude in a colour scale; what is less has its lowest colour
 
@@ -259,7 +260,8 @@ def _spectrum_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies, in the unit of the figure, and amplitudes."""
     values, whole = motion.of_contact(one.data[name], settings), _is_closed(one)
-    frequency, height = amplitude_spectrum(one.time, values, whole)
+    jumps = (one.instants - one.time[0], one.jumps(name, values)) if whole else NO_JUMPS
+    frequency, height = amplitude_spectrum(one.time, values, whole, jumps)
     frequency = frequency * factor_of(settings)
     return upright(frequency[1:], height[1:]) if whole else (frequency, height)
 
@@ -277,7 +279,7 @@ def _frame(
     ax: Axes, spectra: Sequence[tuple[np.ndarray, np.ndarray]], settings: points.Settings
 ) -> None:
     """As the figure asks; else as far as there are amplitudes, a logarithmic axis down to these."""
-    decades = LOG_DECADES if points.is_logarithmic(settings, "y") else DECADES
+    decades = LOG_DECADES if points.is_logarithmic(settings, "y") else LINEAR_DECADES
     known = [(x[height > 0.0], height[height > 0.0]) for x, height in spectra]
     top = max((height.max(initial=0.0) for _, height in known), default=0.0)
     foot = top * 10.0**-decades
@@ -290,7 +292,10 @@ def _frame(
 
 
 def amplitude_spectrum(
-    time: np.ndarray, values: np.ndarray, whole: bool = False
+    time: np.ndarray,
+    values: np.ndarray,
+    whole: bool = False,
+    jumps: tuple[np.ndarray, np.ndarray] = NO_JUMPS,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies and amplitudes of a sampled motion.
 
@@ -299,6 +304,7 @@ def amplitude_spectrum(
     time : s, shape (n,), uniform but for the last interval, which may be shorter
     values : shape (n,)
     whole : the record is one of whole periods: it ends where it began, and needs no window
+    jumps : of such a record, instants between samples, s from the first, and how far it jumps there
 
     Returns
     -------
@@ -315,9 +321,25 @@ def amplitude_spectrum(
     if whole:
         time, values = time[:-1], values[:-1]
     window = signal.get_window("boxcar" if whole else WINDOW, values.size)
-    spectrum = fft.rfft((values - values.mean()) * window)
     interval = (time[-1] - time[0]) / (time.size - 1)
+    teeth, of_teeth = _sawteeth(values.size, interval, *jumps)
+    smooth = values - teeth
+    spectrum = fft.rfft((smooth - smooth.mean()) * window) + of_teeth
     return fft.rfftfreq(values.size, interval), 2.0 * np.abs(spectrum) / window.sum()
+
+
+def _sawteeth(
+    count: int, interval: float, instants: np.ndarray, heights: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What jumps and else falls evenly, of one period: its samples, and its own spectrum.
+
+    Samples alone do not tell where between two of them it jumps.
+    """
+    phases = np.subtract.outer(np.arange(count), instants / interval) / count % 1.0
+    harmonics = np.arange(1, 1 + count // 2)[:, None]
+    turns = np.exp(-2j * np.pi * harmonics * instants / (count * interval))
+    series = count * (turns @ heights) / (2j * np.pi * harmonics[:, 0])
+    return (0.5 - phases) @ heights, np.append(0.0, series)
 
 
 def uniform(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

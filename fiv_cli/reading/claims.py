@@ -345,6 +345,8 @@ def evaluate(
         asked = ", ".join(f"{one} = {json.dumps(of_results[one])}" for one in of_results)
         verdict = replace(verdict, found=f"{verdict.found}: no value has {asked}")
     hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
+    if verdict.verdict != CONFIRMED:
+        hint += _fewer_crossings(part, claim.at)
     if verdict.verdict == UNDETERMINED and trial.blurred.sum() > trial.between:
         more = _sharpened(name, dataset, part.get(f"{variable}_width"))
         hint = f", {more}{hint}"
@@ -398,6 +400,16 @@ def _hint(verdict: Verdict, part: xr.Dataset, variable: str) -> str:
         return ""
     first = select.axis_of(part, str(own[0])).values[:1].tolist()
     return f", several at a point: at = {{ {own[0]} = {json.dumps(*first)} }} takes the first"
+
+
+def _fewer_crossings(part: xr.Dataset, at: Mapping[str, Any]) -> str:
+    """That points have no crossing of the number that a claim asks for; empty where all do."""
+    wanted = at.get("crossing")
+    if not isinstance(wanted, int) or "n_crossings" not in part:
+        return ""
+    few = is_class(part["status"], ("ok",)) & (part["n_crossings"] <= wanted)
+    number, points = int(few.sum()), few.size
+    return f", {number} of {points} have no crossing {wanted} (n_crossings)" if number else ""
 
 
 def _has_undecided(part: xr.Dataset) -> bool:

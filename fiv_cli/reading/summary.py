@@ -208,6 +208,7 @@ def _range(variable: xr.DataArray, only_point: bool) -> dict[str, Any]:
         "greatest": float(known.max()),
         "values": int(known.size),
         **({"each": known.ravel().tolist()} if few else {}),
+        **({"sampled": True} if "time" in variable.dims else {}),
         "units": str(variable.attrs.get("units", "1")),
     }
 
@@ -378,7 +379,8 @@ def _range_line(span: Mapping[str, Any], error: float | None) -> str:
     if "each" in span:
         return ", ".join(f"{value:.6g}" for value in span["each"]) + _unit(span)
     least, greatest = (with_error(span[end], error) for end in ("least", "greatest"))
-    return (least if least == greatest else f"{least} to {greatest}") + _unit(span)
+    of_samples = " (of its samples)" if "sampled" in span else ""
+    return (least if least == greatest else f"{least} to {greatest}") + _unit(span) + of_samples
 
 
 def _impact_line(share: Mapping[str, Any]) -> str:
