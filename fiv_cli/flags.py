@@ -211,9 +211,10 @@ REASONS: tuple[Reason, ...] = (
         "slide_not_decided",
         "the motion slides, but its time was up before its level fell as that of the linearised "
         "system does (near a border, or growing; or it slips back and forth without ever meeting "
-        "the section): raise t_max, or leave out a section that the case names; of what slides for "
-        'ever section = { zero = "x_dot" } (x a displacement) tells more, but takes a slow way to '
-        "rest for a torus; what rests, unstably, from its start on needs another start",
+        "the section): raise t_max, a hundredfold say, or leave out a section that the case names; "
+        'of what slides for ever section = { zero = "x_dot" } (x a displacement) tells more, but '
+        "takes a slow way to rest for a torus; what rests, unstably, from its start on needs "
+        "another start",
     ),
     Reason(
         "cycle_not_confirmed",

@@ -133,7 +133,7 @@ def test_what_a_point_has_one_of_stands_beside_its_values_of_any_number():
     rest = told[len(alone) :]
     assert {row["section_value"] for row in rest} == {""}
     assert len(rest) + len({(r["Omega"], r["initial"]) for r in alone}) == len(by_point)
-    apart = r"same number of values(.|\n)*--csv section_value, --csv other"
+    apart = r"same number of values(.|\n)*--csv section_value; --csv other"
     with pytest.raises(UsageError, match=apart):
         as_csv({"": found.assign(other=("k", [1.0, 2.0]))}, ["section_value", "other"], {})
 
@@ -172,7 +172,7 @@ def test_everything_is_as_many_tables_as_it_takes():
     found = data.bifurcation()
     with pytest.raises(UsageError) as refused:
         rows(found, "all")
-    tables = str(refused.value).partition("next: a table for each: ")[2].split("; ")
+    tables = str(refused.value).partition("next: a command for each: ")[2].split("; ")
     told = [one.removeprefix("--csv ").split(",") for one in tables]
     assert sorted(name for names in told for name in names) == sorted(found.data_vars)
     for names in told:

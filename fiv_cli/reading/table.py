@@ -139,7 +139,7 @@ def _every_table(analyses: Mapping[str, xr.Dataset]) -> str:
             sets.setdefault((analysis, dataset[name].dims), []).append(name)
     of = {one: f" --analysis {one}" if len(analyses) > 1 else "" for one in analyses}
     tables = [f"--csv {','.join(held)}{of[one]}" for (one, _), held in sets.items()]
-    return f"next: a table for each: {'; '.join(tables)}"
+    return f"next: a command for each: {'; '.join(tables)}"
 
 
 def _lines(
@@ -204,7 +204,7 @@ def _in_rows_of_their_own(
         sets.setdefault(str(first.name) if fits else str(dataset[name].dims), []).append(name)
     tables = [f"--csv {','.join(names)}" for names in sets.values()]
     message = "not all of these have the same number of values at a point"
-    return f"{message}\nnext: a table for each: {', '.join(tables)}"
+    return f"{message}\nnext: a command for each: {'; '.join(tables)}"
 
 
 def _without_error(name: str, dataset: xr.Dataset) -> str:
@@ -238,7 +238,7 @@ def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dat
         if hint := "; ".join(filter(None, hints)):
             raise UsageError(f"there is no variable {name!r}; {hint}")
         pick(name, known, "variable", "fiv show FILE.nc")
-    raise UsageError(f"{', '.join(names)}: no analysis has all of these\nnext: a table for each")
+    raise UsageError(f"{', '.join(names)}: no analysis has all of these\nnext: a command for each")
 
 
 def _in_words(values: xr.DataArray) -> xr.DataArray:
