@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 NOT_COMPUTED = "not_computed"
 
@@ -430,14 +431,21 @@ ADVICE_OF = {
 WITH_OPTION = {
     ("contact_lost", "states"): "; its option `states` lets it go on in separation (fiv models "
     "NAME)",
+    ("time_budget", "lyapunov"): '; under lyapunov = "never" chaos is undecided: "auto" tells it',
+    ("tests_disagree", "lyapunov"): '; under lyapunov = "never" no exponent is asked: "auto"',
 }
-"""(Reason, option of a model) -> what more there is to do where the model has it."""
+"""(Reason, option of a model, or what is left out) -> what more there is to do then."""
+
+
+def left_out(settings: Mapping[str, Any]) -> tuple[str, ...]:
+    """What an analysis under these settings does without."""
+    return ("lyapunov",) if settings.get("lyapunov") == "never" else ()
 
 
 def advice(name: str, kind: str = "", options: Collection[str] = ()) -> str:
     """The sentence that says what to do about a reason, of an analysis of this kind.
 
-    `options` are those that the model has.
+    `options` are those that the model has, and what the analysis does without.
     """
     told = ADVICE_OF.get((name, kind)) or REASONS[reason_code(name)].advice
     more = (WITH_OPTION.get((name, option), "") for option in options)

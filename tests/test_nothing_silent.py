@@ -402,3 +402,29 @@ def test_a_chain_that_goes_on_in_any_case_is_not_told_to(going_on: bool, told: s
     warning = list(answer.lines())[-1]
     assert warning.startswith("  WARNING: 3 points of a lie behind") and told in warning
     assert ("go-on" in warning) != going_on
+
+
+def test_that_exponents_are_left_out_is_told_where_chaos_stays_undecided(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = tmp_path / "chaos.toml"
+    case.write_text("""schema = 1
+[model]
+name = "pin-on-disc"
+parameters = { Omega = 0.5 }
+[[initial]]
+label = "far"
+kind = "state"
+state = { phi_dot = "Omega" }
+[[analysis]]
+kind = "response"
+t_max = 100.0
+""")
+    for changes, is_told in ([], False), (["--set", 'analysis.0.lyapunov="never"'], True):
+        output = str(tmp_path / f"{is_told}.nc")
+        assert fiv(["run", str(case), "-o", output, "--workers", "1", *changes]) == 0
+        assert fiv(["show", output]) == 0
+        printed = capsys.readouterr()
+        for text in (printed.err, printed.out):
+            assert ("undecided 1" in text) == is_told
+            assert ('under lyapunov = "never" chaos is undecided' in text) == is_told

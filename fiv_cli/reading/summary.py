@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import inf, prod
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.case.identity import MOTION, STEADY_STATE
 from fiv_cli.data.refined import described, in_full
-from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice
+from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice, left_out
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.reading import each_point, over_laws, over_starts, select, shares, small
 from fiv_cli.reading.claims import point_name
@@ -83,7 +83,7 @@ def _analysis(dataset: xr.Dataset, told: Mapping[str, Any]) -> dict[str, Any]:
         "shares_at_each_point": shares.at_each_point(dataset),
         "shares_of_cycles": shares.of_cycles(dataset),
         "over_starts": over_starts.differing(dataset),
-        "advice": _advice(dataset, told.get("kind", "")),
+        "advice": _advice(dataset, told.get("kind", ""), left_out(settings)),
         "ranges": _ranges(dataset),
         **({"into_impacts": struck} if struck else {}),
         "beyond_small": small.passing(dataset),
@@ -157,12 +157,12 @@ def _counts(flag: xr.DataArray, grid_dims: int) -> dict[str, int]:
     return dict(sorted(((n, c) for n, c in counted.items() if c), key=lambda item: -item[1]))
 
 
-def _advice(dataset: xr.Dataset, kind: str) -> dict[str, str]:
-    """Reason -> what it means and what to do, of those that occur."""
+def _advice(dataset: xr.Dataset, kind: str, without: Sequence[str]) -> dict[str, str]:
+    """Reason -> what it means and what to do, of those that occur, `without` what is left out."""
     counts = _counts(dataset["reason"], dataset["status"].ndim) if "reason" in dataset else {}
     known = (name for name in counts if name in REASON.codes and name != "none")
     options = json.loads(dataset.attrs.get("options_json", "{}"))
-    return {name: advice(name, kind, options) for name in known}
+    return {name: advice(name, kind, [*options, *without]) for name in known}
 
 
 def _is_number(dataset: xr.Dataset, name: str) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fiv_cli.analyses.variables import SLIP_BEYOND
-from fiv_cli.flags import ATTRACTOR, REASON, STATUS, TABLES, advice
+from fiv_cli.flags import ATTRACTOR, REASON, STATUS, TABLES, advice, left_out
 from fiv_cli.reading import small
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def _answer(journal: Journal, index: int) -> Answer:
     return Answer(
         name=analysis.layout.name,
         kind=analysis.layout.kind,
-        options=tuple(journal.plan.case.options),
+        options=(*journal.plan.case.options, *left_out(analysis.template.settings)),
         classes={name: count for name, count in classes.items() if name != "not_computed"},
         found=() if table else tuple(_found(journal, index)),
         reasons=reasons,

@@ -39,7 +39,7 @@ SETTINGS = (
     Choice(
         "lyapunov",
         "exponents and multipliers: auto computes them where the class needs them and on "
-        "periodic motions, never leaves them out",
+        "periodic motions, never leaves them out, and what is chaotic undecided",
         default="auto",
         choices=("auto", "never"),
     ),
