@@ -47,6 +47,7 @@ MEAN = 'take = { what = "mean", over = "v" }'
 CLASSES = 'take = { what = "classes", over = "v" }'
 
 
+SPREAD = 'take = { what = "spread", over = "initial" }'
 LIMITS = "ylim = { perod = [0, 1] }"
 SEVERAL = 'variable = ["L_s", "growth_rate"]'
 START_AXIS = '[grid]\n"initial.x" = [0.0, 0.1, 0.2]'
@@ -198,6 +199,11 @@ def test_what_will_be_there(text: str) -> None:
         (figure('kind = "bifurcation"', LIMITS), "figure.0.ylim", "with a panel for each"),
         (figure('kind = "history"', LIMITS), "figure.0.ylim.perod", "no variable of this"),
         (plane('variable = "L_s"', 'log = "z"', "zlim = [0, 1]"), "figure.0.zlim", "above 0"),
+        (
+            plane('variable = "L_s"', SPREAD, "level = { L_s = [0.1] }"),
+            "figure.0.level.L_s",
+            "this map shows the spread of 'L_s'",
+        ),
         (figure('kind = "curve"', 'log = "xz"'), "figure.0.log", "a curve has no shades"),
         (figure('kind = "history"', "contact = 2"), "figure.0.contact", "is no contact 2"),
         (of_two(figure('kind = "history"', "contact = [1, 0]")), "figure.0.contact", "contact 0"),

@@ -2275,15 +2275,16 @@ def test_a_legend_has_no_more_columns_than_its_rows_need():
 
 
 @pytest.mark.parametrize(
-    ("width", "more", "is_written"),
+    ("width", "more", "is_on_its_line"),
     [(85.0, 1.2345e-7, False), (90.0, 0.0, True), (240.0, 1e-9, True)],
 )
-def test_levels_are_written_where_a_panel_is_large_beside_them(width, more, is_written):
+def test_levels_are_written_where_a_panel_is_large_beside_them(width, more, is_on_its_line):
+    """Along their lines; of a line that is too short, upright beside it."""
     dataset = data.stability_map()
     asked = figure("map", variable="L_s", level=[0.0005 + more, 0.001])
     drawn = draw(dataset, asked, look=look_of("paper", width=width))
-    assert bool(drawn.axes[0].texts) == is_written
-    assert is_written or style.notes_on(drawn)
+    turned = [text.get_rotation() != 0.0 for text in drawn.axes[0].texts]
+    assert turned and any(turned) == is_on_its_line
     assert any("0.0005" in text.get_text() for text in drawn.legends[0].get_texts())
 
 
@@ -2871,8 +2872,9 @@ def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
     dataset["L_s"] = dataset["L_s"].copy(data=values)
     assert style.notes_on(draw(dataset, asked)) == []
     dataset["L_s"] = dataset["L_s"].copy(data=values.transpose(1, 0, 2))
-    (note,) = style.notes_on(draw(dataset, asked, look=look_of("paper", width=50.0)))
-    assert note.startswith("L_s = 0.30001, 0.60001: told in the legend alone")
+    close = figure("map", variable="L_s", level=[0.5 + 0.001 * n for n in range(8)])
+    (note,) = style.notes_on(draw(dataset, close, look=look_of("paper", width=50.0)))
+    assert note.startswith("L_s = 0.5") and "told in the legend alone" in note
 
 
 def test_a_level_that_no_line_has_is_told_also_where_a_figure_has_no_title(stored):

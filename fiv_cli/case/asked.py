@@ -184,7 +184,14 @@ def _check_levels(
     axes = {"crossing"} if any(isinstance(own, str) for own in of.values()) else set()
     for name in [name for name in of if known and name != taken and ":" not in name]:
         place = (*at, name) if isinstance(said, dict) else at
-        if isinstance(of[name], str):  # found over the other axis: in a case that has not this one
+        if taken and name == figure.settings.get("variable"):
+            message = (
+                f"this map shows the {taken} of {name!r}, and the levels of that are its lines"
+            )
+            report.add(place, message, f"level = {of[name]}, or {{ {taken} = ... }}")
+        elif isinstance(
+            of[name], str
+        ):  # found over the other axis: in a case that has not this one
             message = f"the line where {of[name]} has the value of {name!r} needs another case"
             report.add(place, message, '"CASE:VARIABLE" = "AXIS", found along the other axis')
         elif _check(name, known, place, report):

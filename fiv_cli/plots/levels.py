@@ -47,7 +47,11 @@ LARGEST = np.array([0.16, 0.3])
 TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
 MOST_PLACES, MOST_ELSEWHERE = 300, 5000
 STEP = 0.25  # between points of other lines, in heights of letters
+# Heights of letters between a short line and its level beside it; ways there; places tried.
+BY, MOST_BESIDE = 0.3, 30
+WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (0, 1)], float)
 PAD = 0.25  # around a level that is written, in heights of its letters
+WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.5}
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 NOT_KNOWN = "not known"
 NO_CELLS = np.empty((0, 4))
@@ -257,10 +261,48 @@ def _name(
         look: dict[str, Any] = {"fontsize": size, "manual": places, "inline": False}
         told = {level: labels.number_text(level, levels)}
         for text_ in ax.clabel(lines, fmt=told, **look) if places else ():
-            text_.set_bbox({"fc": "white", "ec": "none", "pad": 0.5})
+            text_.set_bbox(WHITE)
             upwards = (text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
             text_.set_rotation(min(upwards, 90.0))  # none is turned over
-    return {level for _, level, places in found if places}
+    beside = set()
+    for lines, level, _ in [one for one in found if not one[2]]:
+        others = [piece for one, of in drawn if of != level for piece in _pieces(one)]
+        text = labels.number_text(level, levels)
+        beside |= {level} if _write_beside(ax, lines, text, [*others, *crossing]) else set()
+    return beside | {level for _, level, places in found if places}
+
+
+def _write_beside(ax: Axes, lines: QuadContourSet, text: str, others: Sequence[np.ndarray]) -> bool:
+    """Write a level beside its longest line, which is too short to have it on it; whether it does.
+
+    Next to its middle, or where else it lies upon no line and no other level, and nearer to its own
+    line than to `others`.
+    """
+    height = _height(ax)
+    half = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
+    pixels = ax.transData.transform
+    own, far = (
+        np.concatenate([np.zeros((0, 2)), *(_dense(pixels(one), STEP * height) for one in pieces)])
+        for pieces in (_pieces(lines), others)
+    )
+    own, far = _thinned(own, MOST_ELSEWHERE), _thinned(far, MOST_ELSEWHERE)
+    line = max((pixels(piece) for piece in _pieces(lines)), key=_extent, default=own)
+    line = _thinned(line, MOST_BESIDE)
+    middle = line[np.argsort(np.abs(np.arange(len(line)) - len(line) // 2))]
+    places = (middle[:, None] + WAYS * (half + BY * height)).reshape(-1, 2)
+    texts = np.reshape([pixels(one.get_position()) for one in ax.texts], (-1, 2))
+    upon = np.abs(np.concatenate([own, far, texts]) - places[:, None]) < half
+    inside = (ax.bbox.min + half <= places) & (places <= ax.bbox.max - half)
+    nearest = [
+        np.linalg.norm(places[:, None] - one, axis=-1).min(axis=1, initial=np.inf)
+        for one in (own, far)
+    ]
+    free = inside.all(axis=1) & ~np.any(upon.all(axis=-1), axis=1) & (nearest[0] < nearest[1])
+    for x, y in ax.transData.inverted().transform(places[free][:1]):
+        look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": WHITE}
+        size = mpl.rcParams["legend.fontsize"]
+        ax.text(x, y, text, fontsize=size, color=lines.get_edgecolor()[0], **look)
+    return bool(free.any())
 
 
 def _rooms(
