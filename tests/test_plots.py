@@ -1006,6 +1006,21 @@ def dashed(ax, dashes="--"):
     return [line.get_xydata() for line in lines if len(line.get_xdata())]
 
 
+def test_a_single_start_over_branches_has_a_colour_and_an_entry_of_its_own():
+    """Else what rests would pass for a stable cycle of no amplitude."""
+    branch, swept = branch_along_the_speed(), data.bifurcation().isel(initial=[1])
+    swept = swept.assign(phi_max=swept["L_s"].assign_attrs(units="rad", long_name="greatest phi"))
+    branch["phi_max"] = ("N0", "initial"), [[3.0]], {"units": "rad", "long_name": "greatest phi"}
+    layers = [("sweep", swept.assign_attrs(called="")), ("branch", branch)]
+    (ax,) = draw(layers, figure("curve", x="Omega", variable="phi_max")).axes
+    named = {text: line for line in ax.lines if (text := str(line.get_label()))[0] != "_"}
+    start = f"start: {swept['initial'].item()}"
+    assert {start, "stable cycle", "unstable cycle"} <= {*legend_texts(ax)}
+    assert named[start].get_color() != named["stable cycle"].get_color()
+    widths = [one.get_linewidth() for one in ax.lines if "cycle" in str(one.get_label())]
+    assert max(widths) > named[start].get_linewidth()  # which is seen beneath it
+
+
 def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
     analyses = {"response": data.bifurcation(), "cycle": cycles_along_the_grid()}
     (ax,) = draw(analyses, figure("bifurcation", select={"initial": "far"})).axes
@@ -2706,7 +2721,8 @@ def test_of_several_levels_the_line_at_zero_is_the_one_without_dashes():
     response["L_s"].values[:] = response["Omega"].values[:, None, None] - 2.0
     drawn = draw(response, figure("map", variable="L_s", level=[-1.0, 0.0, 1.0, 2.0]))
     keys = [key for key in drawn.legends[0].get_lines() if key.get_linestyle() != "None"]
-    assert [key.get_linestyle() for key in keys] == ["--", "-", ":", "-."]
+    assert [key.get_linestyle() for key in keys][:3] == ["--", "-", ":"]
+    assert len({str(key._unscaled_dash_pattern) for key in keys}) == 4
 
 
 def test_lines_of_a_map_have_their_levels_written_on_them():
@@ -3062,6 +3078,12 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
         speed, value = np.array(rising.get_data())[:: -1 if turned else 1]
         assert value == pytest.approx(4.0 * speed)
     assert "critical value of $N_{0}$" in legend_texts(drawn)
+    words = np.where(np.arange(40) == 0, "undecided_in_part", "none")
+    reasons = data.flags(("Omega",), words, ("none", "undecided_in_part"))
+    crit.assign(reason=reasons).to_netcdf("runs/open.nc")
+    left = draw(response, figure("map", **axes, level={"open:critical_value": "N0"}))
+    assert 39 in {len(line.get_xdata()) for line in left.axes[0].lines}
+    assert [note for note in style.notes_on(left) if "not at 1 of 40 places" in note]
     rows = as_csv(drawn, Path("a.csv")).splitlines()[1:]  # though the rest of the figure is a plane
     assert any(",critical value of N_0," in row for row in rows)
     for first, count in ((0, 1), (1, 0)):  # the mode that turns unstable where all were stable
@@ -3293,6 +3315,17 @@ def _motion_in_x(speed=2.0):
 
 def _lines_over(ax):
     return {one.get_label(): one for one in ax.collections if isinstance(one, LineCollection)}
+
+
+def test_a_dashed_motion_over_basins_is_drawn_once_around():
+    names = {"phi": "x", "phi_dot": "x_dot"}
+    long = data.history(labels=("far",), t_end=6.0 * np.pi / 9.0, sample=0.002).rename(names)
+    layers = [(name, long.assign_coords(Omega=2.0)) for name in ("one", "two")]
+    _, ax = draw([("", data.basin()), *layers], figure("basin")).axes
+    solid, dashed = (
+        sum(len(piece) for piece in _lines_over(ax)[name].get_segments()) for name in ("one", "two")
+    )
+    assert solid == pytest.approx(3 * dashed, rel=0.02)
 
 
 @pytest.mark.parametrize("turned", [False, True])

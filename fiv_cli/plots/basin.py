@@ -260,7 +260,8 @@ def _lay_over(
         for name in names:
             motion.known_variable(one.data, name)
         path = phase.path_of(one, names, settings)
-        whole, look = path.between(-np.inf, np.inf), {"color": style.BLACK, "lw": 1.0, "ls": dash}
+        until = path.once_around() if dash != "-" else np.inf  # dashes would fill their gaps
+        whole, look = path.between(-np.inf, until), {"color": style.BLACK, "lw": 1.0, "ls": dash}
         for ax in _panels_of(one, axes, parts):
             path.draw(ax, [whole], one.label, zorder=3.2, **look)
             ax.autoscale_view()

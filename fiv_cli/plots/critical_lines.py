@@ -19,12 +19,14 @@ from matplotlib.transforms import Bbox
 from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import listed
 from fiv_cli.plots import curve, labels, levels, points
+from fiv_cli.reading.datasets import is_class
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.typing import ColorType
 
+LEFT_OPEN = "undecided_in_part"
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
 
@@ -43,9 +45,12 @@ class CriticalLines:
 
     @property
     def missed(self) -> list[str]:
-        """That there is no line, where no value lies within the map."""
+        """That there is no line, where no value lies within the map; places that are not known."""
         inside = any(self._pieces(panel) for panel in self.panels)
-        return [] if inside else [f"no line of the {self._words}: no value within the map"]
+        none = f"no line of the {self._words}: no value within the map"
+        left, places = int(_is_left_open(self.dataset).sum()), self.dataset["status"].size
+        told = f"{self._words}: not at {left} of {places} places ({LEFT_OPEN}: raise t_max there)"
+        return [*[none] * (not inside), *[told] * bool(left)]
 
     def keys(self, colour: ColorType) -> list[Line2D]:
         """Its entry of a legend."""
@@ -114,11 +119,16 @@ class CriticalLines:
 
     def _of_the_border(self, dataset: xr.Dataset) -> xr.DataArray:
         """Of several crossings those at which the equilibrium itself turns stable or unstable."""
-        values = dataset[self.name]
+        values = dataset[self.name].where(~_is_left_open(dataset))
         sides = [dataset[one] for one in ("unstable_below", "unstable_above") if one in dataset]
         if values.sizes.get("crossing", 1) == 1 or not sides:
             return values
         return values.where((sides[0] <= 0) | (sides[-1] <= 0))
+
+
+def _is_left_open(dataset: xr.Dataset) -> xr.DataArray:
+    """Where undecided runs leave so much open that a value is none: the middle of what may be."""
+    return is_class(dataset.get("reason", dataset["status"]), (LEFT_OPEN,))
 
 
 def _is_inside(piece: Piece, corners: np.ndarray) -> bool:

@@ -241,7 +241,7 @@ def _lines(
         for name in [name for name in own if number in parts[name]]:
             part, rest = parts[name][number], len(parts[name]) - len(along[name])
             curves = (
-                _curves(part, name, len(own) > 1, of_panels, sorts)
+                _curves(part, name, len(own) > 1, of_panels, sorts, rest > 0)
                 if any(part is one for one in along[name])
                 else _of_branches(part, name, axis, rest > 1, bool(along[name]))
                 or _without_axis(part, name, _first(parts[name]).dataset, axis)
@@ -573,6 +573,8 @@ def _plot(
     """
     y = np.where(curve.is_wide, np.nan, curve.y) + shift
     look = {"color": entry.colour, "zorder": 1.9 if curve.sort else 2.0, **curve.mark}
+    if curve.sort.endswith(" cycle"):  # it is seen beneath what starts lead to
+        look["lw"] = _width(2)
     known = np.where(curve.open, np.nan, y)
     hidden = np.where(upon > 0, known, np.nan)
     x, cut, beneath = (np.insert(one, curve.jumps, np.nan) for one in (curve.x, known, hidden))
@@ -787,11 +789,12 @@ def _curves(
     named: bool,
     of_panels: Mapping[str, points.Settings],
     sorts: Sequence[str],
+    over: bool,
 ) -> list[_Curve]:
     """The lines of one variable of one dataset; their labels have its words if it is `named`.
 
     All variables of a figure leave a motion at the same points. `sorts` are those of the crossings
-    of all datasets.
+    of all datasets. What lies `over` branches is called by its start, if by nothing else.
     """
     dataset = layer.dataset
     axis = points.abscissa(dataset, of_panels[name])
@@ -825,6 +828,8 @@ def _curves(
             apart |= _leaves(dataset, own, line.index, of_panels[own])
         jumps = (np.flatnonzero(apart) + 1).tolist()
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
+        if over and not any(told_by.values()) and dataset.sizes.get("initial") == 1:
+            told_by["initial"] = f"start: {dataset['initial'].item()}"
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
         curves.append(_Curve(told_by, x, y, open_, (ends[0], ends[1]), error, jumps, limits=limits))
     return curves

@@ -60,7 +60,7 @@ RIM: Any = [withStroke(linewidth=2.3, foreground="white")]  # of lines on any sh
 # Of each level the planes whose line is drawn: one, or one for each end of what its values may be.
 Panel: TypeAlias = Sequence[Sequence[np.ndarray]]
 STYLES: tuple[Any, ...] = (
-    *("solid", "dashed", "dotted", "dashdot"),
+    *("solid", "dashed", "dotted", (0, (3.2, 1.2, 1.0, 1.2))),  # which short lines show too
     *((0, (8.0, 2.0)), (0, (5.0, 1.5, 1.0, 1.5, 1.0, 1.5)), (0, (2.0, 1.0)), (0, (1.0, 4.0))),
 )
 
@@ -292,17 +292,22 @@ def _write_beside(ax: Axes, lines: QuadContourSet, text: str, others: Sequence[n
     places = (middle[:, None] + WAYS * (half + BY * height)).reshape(-1, 2)
     texts = np.reshape([pixels(one.get_position()) for one in ax.texts], (-1, 2))
     upon = np.abs(np.concatenate([own, far, texts]) - places[:, None]) < half
+    gaps = [_gaps(places, half, one) for one in (own, far)]
     inside = (ax.bbox.min + half <= places) & (places <= ax.bbox.max - half)
-    nearest = [
-        np.linalg.norm(places[:, None] - one, axis=-1).min(axis=1, initial=np.inf)
-        for one in (own, far)
-    ]
-    free = inside.all(axis=1) & ~np.any(upon.all(axis=-1), axis=1) & (nearest[0] < nearest[1])
-    for x, y in ax.transData.inverted().transform(places[free][:1]):
+    free = inside.all(axis=1) & ~np.any(upon.all(axis=-1), axis=1) & (2.0 * gaps[0] < gaps[1])
+    best = np.flatnonzero(free)[np.argsort((gaps[0] - gaps[1])[free], kind="stable")[:1]]
+    for x, y in ax.transData.inverted().transform(places[best]):
         look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": WHITE}
         size = mpl.rcParams["legend.fontsize"]
         ax.text(x, y, text, fontsize=size, color=lines.get_edgecolor()[0], **look)
     return bool(free.any())
+
+
+def _gaps(places: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Distances of boxes of these halves from the nearest of some points."""
+    off = np.maximum(np.abs(points - places[:, None]) - half, 0.0)
+    nearest: np.ndarray = np.linalg.norm(off, axis=-1).min(axis=1, initial=np.inf)
+    return nearest
 
 
 def _rooms(

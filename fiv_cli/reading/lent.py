@@ -33,4 +33,5 @@ def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
         if dataset is None:
             raise UsageError(f"{name}: no variable of {path}\nnext: fiv show {path}")
         beside = [one for one, of in dataset.items() if of.dims == dataset[variable].dims]
-        yield dataset[list({"status", *beside})].rename_vars({variable: name})
+        beside += [of_point for of_point in ("status", "reason") if of_point in dataset]
+        yield dataset[list({*beside})].rename_vars({variable: name})
