@@ -681,6 +681,12 @@ def test_a_line_tells_time_rate_and_what_is_left() -> None:
     ]
 
 
+def test_a_run_that_waits_for_its_first_point_says_what_bounds_one() -> None:
+    course = Course(1, [0.0], [0])
+    assert course.pace(90.0) == "90 s elapsed"  # which compiling may take
+    assert course.pace(240.0).startswith("4 min elapsed: t_max, or --time-limit, bounds")
+
+
 def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
     """Counts are numpy's."""
     course = Course(1000, [0.0, 10.0], [0, np.int64(50)])
