@@ -408,18 +408,11 @@ def test_that_exponents_are_left_out_is_told_where_chaos_stays_undecided(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     case = tmp_path / "chaos.toml"
-    case.write_text("""schema = 1
-[model]
-name = "pin-on-disc"
-parameters = { Omega = 0.5 }
-[[initial]]
-label = "far"
-kind = "state"
-state = { phi_dot = "Omega" }
-[[analysis]]
-kind = "response"
-t_max = 100.0
-""")
+    case.write_text(
+        'schema = 1\nmodel = { name = "pin-on-disc", parameters = { Omega = 0.5 } }\n'
+        'initial = [{ label = "far", kind = "state", state = { phi_dot = "Omega" } }]\n'
+        'analysis = [{ kind = "response", t_max = 100.0 }]\n'
+    )
     for changes, is_told in ([], False), (["--set", 'analysis.0.lyapunov="never"'], True):
         output = str(tmp_path / f"{is_told}.nc")
         assert fiv(["run", str(case), "-o", output, "--workers", "1", *changes]) == 0

@@ -4199,6 +4199,9 @@ def test_motions_of_several_files_stand_side_by_side_in_a_history():
     assert len({ax.get_ylim() for ax in drawn.axes}) == 1
     (phase,) = draw([("a", far), ("b", cycle)], figure("phase")).axes
     assert {"start: far", "unstable cycle"} <= {*legend_texts(phase)}
+    many = [(f"{n}", far) for n in range(6)]  # more than stand side by side
+    several = draw(many, figure("history", variable="phi")).axes
+    assert len({round(ax.get_position().y0, 2) for ax in several}) == 2
     lacking = near.drop_vars("theta_dot")
     with pytest.raises(UsageError, match="theta_dot: no variable over time"):
         draw([("a", far), ("b", lacking)], figure("history", variable="theta_dot"))

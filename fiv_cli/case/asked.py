@@ -185,9 +185,7 @@ def _check_levels(
     for name in [name for name in of if known and name != taken and ":" not in name]:
         place = (*at, name) if isinstance(said, dict) else at
         if taken and name == figure.settings.get("variable"):
-            message = (
-                f"this map shows the {taken} of {name!r}, and the levels of that are its lines"
-            )
+            message = f"this map shows the {taken} of {name!r}, and has lines at levels of that"
             report.add(place, message, f"level = {of[name]}, or {{ {taken} = ... }}")
         elif isinstance(
             of[name], str

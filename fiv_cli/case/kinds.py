@@ -248,8 +248,7 @@ law, an option of the model, the law itself (`fiv kinds friction`), or a state o
 
 Axes that advance together, as one: [sweep] zip = [["Omega", "N0"]]; a parameter of the model that
 always has the value of another, for `critical` and `boundary` too: c2 = "c1" under
-[model.parameters]. Points along the borders of
-classes only: `fiv kinds refine`.
+[model.parameters]. Points along the borders of classes only: `fiv kinds refine`.
 """
 
 FRICTION = """\

@@ -415,7 +415,9 @@ class _Reader:
                 self.report.add(place, f"{name} is given twice")
             elif isinstance(value, str) and ascii_name(value) in {**known, **elsewhere}:
                 together = f'[sweep] zip = [["{name}", "{value}"]], both under [grid]'
-                hint = f"of the model, one may be that of another; of a law: {together}"
+                hint = (
+                    f"a parameter of the model may have the value of another one; here: {together}"
+                )
                 self.report.add(place, f"{value!r} is a parameter, not a value", suggestion=hint)
             else:
                 self.parameter(known[name], value, place, found)

@@ -63,10 +63,10 @@ def _draw_panels(
     names: Sequence[str],
 ) -> tuple[Figure, list[Axes]]:
     """Blocks of a column for each motion, as many as stand side by side, and of all rows."""
-    columns = style.side_by_side(len(motions), len(motions), LETTERS)
+    columns = style.side_by_side(len(motions), motion.MOST_MOTIONS, LETTERS)
     blocks = -(-len(motions) // columns)
     figure, axes = style.new_panels(
-        blocks * len(rows), columns, points.title(dataset), sharex=_shared(motions, blocks)
+        blocks * len(rows), columns, points.title(dataset), sharex=_with_one_time(motions, blocks)
     )
     for number, ax in enumerate(axes):
         below, column = divmod(number, columns)
@@ -87,7 +87,7 @@ def _draw_panels(
     return figure, axes
 
 
-def _shared(motions: Sequence[motion.Motion], blocks: int) -> Any:
+def _with_one_time(motions: Sequence[motion.Motion], blocks: int) -> Any:
     """Which panels have one axis of time: all, where motions are about as long, else a column."""
     if blocks > 1:
         return False

@@ -84,8 +84,8 @@ def leaps(
         return np.zeros(steps.shape, bool)
     known = np.pad(np.where(differ, np.nan, steps), 1, constant_values=np.nan)
     beside, is_alone = np.fmax(known[:-2], known[2:]), np.isnan(known[:-2] + known[2:])
-    usual = np.median(within)
-    beside = np.where(is_alone, np.fmax(beside, usual), beside)
+    unsure = np.isnan(beside) | (is_alone & ~differ)
+    beside = np.where(unsure, np.fmax(beside, np.median(within)), beside)
     grown = np.abs(np.diff(y)) > GROWN * np.minimum(np.abs(y[1:]), np.abs(y[:-1]))
     extent = float(np.ptp(np.log10(shown) if logarithmic else shown))
     least = np.where(is_alone & ~(grown & differ), SEEN_ALONE, SEEN) * extent

@@ -278,29 +278,36 @@ def _write_beside(ax: Axes, lines: QuadContourSet, text: str, others: Sequence[n
     Next to its middle, or where else it lies upon no line and no other level, and nearer to its own
     line than to `others`.
     """
-    height = _height(ax)
-    half = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
-    pixels = ax.transData.transform
-    own, far = (
-        np.concatenate([np.zeros((0, 2)), *(_dense(pixels(one), STEP * height) for one in pieces)])
-        for pieces in (_pieces(lines), others)
-    )
-    own, far = _thinned(own, MOST_ELSEWHERE), _thinned(far, MOST_ELSEWHERE)
+    height, half, pixels = _height(ax), _half_of(ax, text), ax.transData.transform
+    own, far = (_lying(ax, pieces) for pieces in (_pieces(lines), others))
     line = max((pixels(piece) for piece in _pieces(lines)), key=_extent, default=own)
     line = _thinned(line, MOST_BESIDE)
     middle = line[np.argsort(np.abs(np.arange(len(line)) - len(line) // 2))]
     places = (middle[:, None] + WAYS * (half + BY * height)).reshape(-1, 2)
     texts = np.reshape([pixels(one.get_position()) for one in ax.texts], (-1, 2))
-    upon = np.abs(np.concatenate([own, far, texts]) - places[:, None]) < half
+    upon = _gaps(places, half, np.concatenate([own, far])) == 0.0
+    upon |= _gaps(places, 2.0 * half, texts) == 0.0  # of boxes as large
     gaps = [_gaps(places, half, one) for one in (own, far)]
     inside = (ax.bbox.min + half <= places) & (places <= ax.bbox.max - half)
-    free = inside.all(axis=1) & ~np.any(upon.all(axis=-1), axis=1) & (2.0 * gaps[0] < gaps[1])
+    free = inside.all(axis=1) & ~upon & (2.0 * gaps[0] < gaps[1])
     best = np.flatnonzero(free)[np.argsort((gaps[0] - gaps[1])[free], kind="stable")[:1]]
     for x, y in ax.transData.inverted().transform(places[best]):
         look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": WHITE}
         size = mpl.rcParams["legend.fontsize"]
         ax.text(x, y, text, fontsize=size, color=lines.get_edgecolor()[0], **look)
     return bool(free.any())
+
+
+def _half_of(ax: Axes, text: str) -> np.ndarray:
+    """Half the width and the height of a level with some room around it, in pixels."""
+    return np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * _height(ax)
+
+
+def _lying(ax: Axes, pieces: Sequence[np.ndarray]) -> np.ndarray:
+    """Points on lines, close enough that no level lies between two of them, in pixels."""
+    step, pixels = STEP * _height(ax), ax.transData.transform
+    every = [np.zeros((0, 2)), *(_dense(pixels(one), step) for one in pieces)]
+    return _thinned(np.concatenate(every), MOST_ELSEWHERE)
 
 
 def _gaps(places: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -323,16 +330,11 @@ def _rooms(
     There it reaches over no side of the panel and no line of those `crossing`, its own is straight,
     and those of `others` levels are further away than a share of it: the first that leaves room.
     """
-    height = _height(ax)
-    box = np.array([0.5 * style.longest([text]) * style.LETTER + PAD, 0.5 + PAD]) * height
+    height, box = _height(ax), _half_of(ax, text)
     length = 2.0 * (box[0] - PAD * height)
     ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
     pixels = ax.transData.transform
-    near, far = (
-        np.concatenate([np.zeros((0, 2)), *(_dense(pixels(one), STEP * height) for one in pieces)])
-        for pieces in (others[0], crossing)
-    )
-    near, far = _thinned(near, MOST_ELSEWHERE), _thinned(far, MOST_ELSEWHERE)
+    near, far = (_lying(ax, pieces) for pieces in (others[0], crossing))
     taken = [pixels(place) for place in written]
     chosen: list[np.ndarray] = []
     roomiest: tuple[float, list[np.ndarray]] = (LEAST_ROOM * length, [])

@@ -121,7 +121,7 @@ class Motion:
         return np.insert(values, *self._pairs(before, after))
 
     def jumps(self, name: str, values: np.ndarray) -> np.ndarray:
-        """How far a variable jumps at each of the instants."""
+        """How far a variable jumps at each of the instants, in its unit."""
         before, after = self._sides(name, values)
         return after - before
 

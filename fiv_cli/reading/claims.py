@@ -344,9 +344,9 @@ def evaluate(
     if of_results and not verdict.points:
         asked = ", ".join(f"{one} = {json.dumps(of_results[one])}" for one in of_results)
         verdict = replace(verdict, found=f"{verdict.found}: no value has {asked}")
-    hint = "" if verdict.verdict == CONFIRMED else _hint(verdict, part, variable)
+    hint = ""
     if verdict.verdict != CONFIRMED:
-        hint += _fewer_crossings(part, claim.at)
+        hint = _hint(verdict, part, variable) + _fewer_crossings(part, claim.at)
     if verdict.verdict == UNDETERMINED and trial.blurred.sum() > trial.between:
         more = _sharpened(name, dataset, part.get(f"{variable}_width"))
         hint = f", {more}{hint}"
