@@ -894,7 +894,7 @@ def test_a_parameter_with_the_name_of_another_has_its_value():
 @pytest.mark.parametrize(
     ("parameters", "told"),
     [
-        ("c2 = 'k1'", "c2 is in N s m-1, and k1 in N m-1"),
+        ("c2 = 'k1'", "c2 is in N s m-1, and the parameter k1 in N m-1"),
         ("c1 = 'c2', c2 = 'c1'", "c2 takes the value of another itself"),
         ("c1 = 'c1'", "c1 takes the value of another itself"),
         ("c1 = 'mu_k'", "'mu_k' is a parameter, not a value"),

@@ -328,7 +328,7 @@ class _Reader:
         for key, leader in leaders.items():
             place, own, other = ("model", "parameters", key), known[ascii_name(key)], known[leader]
             if own.unit != other.unit:
-                message = f"{own.name} is in {own.unit}, and {leader} in {other.unit}"
+                message = f"{own.name} is in {own.unit}, and the parameter {leader} in {other.unit}"
                 self.report.add(place, message, own.allowed)
             elif leader in {ascii_name(name) for name in leaders}:
                 message = f"{leader} takes the value of another itself"
