@@ -113,6 +113,19 @@ def test_a_mass_that_a_belt_at_standstill_holds_is_stuck_beside_one_that_slides(
     assert -3.2 <= found.values["x_max"] - 0.6 <= 3.2
 
 
+@pytest.mark.parametrize("speed", [0.05, 0.2, 0.25, 0.6, 0.9, 1.3])
+def test_what_is_held_is_stuck_though_the_force_that_holds_it_is_solved_to_rounding(
+    speed: float,
+) -> None:
+    """Its acceleration, the balance of forces of 12 N on 1.3 kg, is of 1e-15 m/s2, not zero."""
+    held = {"m": 1.3, "k": 9.7, "N1": 3.7, "N2": 8.0, "V1": speed, "V2": 0.0}
+    law = {"mu_k": 0.23, "mu_s": 0.41, "v_s": 0.5}
+    found = api.analyse(ON_TWO_BELTS, "stribeck", "response", {"x": 5.3}, **held, **law)
+    assert (found.values["attractor"], found.reason) == ("equilibrium", "stuck")
+    drags = 3.7 * (0.23 + 0.18 * np.exp(-((speed / 0.5) ** 2)))
+    assert abs(9.7 * found.values["x_max"] - drags) <= 0.41 * 8.0
+
+
 def test_a_mass_that_stands_still_and_is_free_to_move_is_not_stuck() -> None:
     """The belt of mass 2 stands: it sticks; mass 1 is where its springs and friction balance."""
 

@@ -449,19 +449,27 @@ class _Response:
 
     def _stuck(self) -> Outcome | None:
         """What sticks holds all and nothing moves: it stays so (a drive at standstill)."""
-        motion, frame = self.motion, self.motion.frame
-        if not motion.is_held or motion.rates().any():
+        if not (self.motion.is_held and self._stands_still()):
             return None
-        if self.excitation is not None and not holds_through(motion, self.problem.parameters):
-            return None
-        all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
-        if not (all_stick or self._is_held()):
+        if self.excitation is not None and not holds_through(self.motion, self.problem.parameters):
             return None
         outcome = self._resting_in(self.motion.y)
         outcome.values["decay_margin"] = 1.0
         outcome.values |= self._mean_powers(np.zeros(self._n_works))
         outcome.reason = "stuck"
         return outcome
+
+    def _stands_still(self) -> bool:
+        """Whether nothing moves, nor will.
+
+        What contacts determine has no acceleration, whatever their forces leave by rounding.
+        """
+        frame, m = self.motion.frame, len(self.system.coordinates)
+        moving, accelerations, inner = np.split(self.motion.rates(), [m, 2 * m])
+        all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
+        if moving.any() or inner.any():
+            return False
+        return self._is_held() or bool(all_stick and not accelerations.any())
 
     @property
     def _n_works(self) -> int:
