@@ -1977,6 +1977,18 @@ def test_where_colours_tell_another_axis_dashes_tell_the_sorts_of_crossings():
     assert len({keys[sort].get_marker() for sort in sorts}) == 3
 
 
+def test_crossings_of_several_sorts_are_drawn_at_the_points_of_the_grid_alone():
+    """Nothing was computed between these: neither a mark nor a bend says that it was."""
+    one = data.crossings().isel(R=[0, 1, 0, 1, 0, 1, 0])
+    one = one.assign_coords(data.axes(R=np.arange(7.0)))
+    both = xr.concat([one, one.assign(critical_value=2 * one["critical_value"])], "mu_k")
+    (ax,) = draw(both.assign_coords(data.axes(mu_k=[0.2, 0.3])), figure("curve", x="R")).axes
+    drawn = [line.get_xdata() for line in ax.lines if len(line.get_xdata())]
+    assert len(drawn) == 6
+    for places in drawn:
+        assert set(places) <= set(range(7))
+
+
 def test_changes_between_motions_of_one_class_are_told_apart_by_their_answers():
     """To a question about a number; elsewhere by their classes."""
     answers, dims = ("no", "yes"), ("N0", "crossing")

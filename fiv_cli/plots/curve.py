@@ -573,7 +573,7 @@ def _plot(
     """
     y = np.where(curve.is_wide, np.nan, curve.y) + shift
     look = {"color": entry.colour, "zorder": 1.9 if curve.sort else 2.0, **curve.mark}
-    if curve.sort.endswith(" cycle"):  # it is seen beneath what starts lead to
+    if curve.is_branch:  # it is seen beneath what starts lead to
         look["lw"] = _width(2)
     known = np.where(curve.open, np.nan, y)
     hidden = np.where(upon > 0, known, np.nan)
@@ -590,7 +590,7 @@ def _plot(
         ax.plot([], [], ls=dash, label=label, **look)
         ax.plot(x, way, ls=dash, label=DECORATION, **{**look, "marker": "None"})
         dash, label = "none", points.unlisted(label)
-    if curve.sort and not apart:
+    if curve.is_branch and not apart:
         smooth.draw(ax, x, cut, label, ls=dash, **look)
     else:
         ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
@@ -711,6 +711,11 @@ class _Curve:
     limits: tuple[float, float] = (-np.inf, np.inf)
     names: tuple[str, ...] = ()
     way: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def is_branch(self) -> bool:
+        """Whether it is a branch of cycles, close enough to each other for a smooth line."""
+        return self.sort.endswith(" cycle")
 
     def marked_as_others(self) -> _Curve:
         """The same; of crossings whose mark tells nothing, with that of other lines, where they
