@@ -10,7 +10,7 @@ import pytest
 
 from fiv_cli.case.grammar import Bounds
 from fiv_cli.case.load import load_case, parse_case
-from fiv_cli.case.others import not_run
+from fiv_cli.case.others import held_otherwise, not_run
 from fiv_cli.errors import CaseError, Problem
 from fiv_cli.sweep.plan import make_plan
 
@@ -387,6 +387,9 @@ def test_a_case_whose_line_a_map_draws_is_read_where_it_lies(tmp_path: Path) -> 
     other.write_text(BELT)
     (told,) = not_run(load_case(this))
     assert told == f"a map draws a line of other, not run yet: fiv run {other}"
+    assert [*held_otherwise(load_case(this))] == []
+    (told,) = held_otherwise(load_case(this, ["model.parameters.m=2.0"]))
+    assert f"other, which is computed at m = 1 (here 2): give {other} what this" in told
     critical = 'kind = "critical"\nparameter = "mu_k"\nbracket = [0.0, 1.0]'
     (tmp_path / "crossings.toml").write_text(BELT.replace('kind = "response"', critical))
     for level, words in (

@@ -3055,6 +3055,31 @@ def test_a_line_of_one_law_or_parameter_lies_in_its_panel_alone(tmp_path, monkey
             assert [bool(ax.findobj(ContourSet)) for ax in panels] == lines
 
 
+@pytest.mark.parametrize("what", ["N0", 0.0])
+def test_a_line_of_a_case_of_other_parameters_is_told(tmp_path, monkeypatch, what):
+    """Over a map at N = 5 N it lies where it lies at 10 N: nothing else in the figure says so."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    analyses = with_growth()
+    mapped, lined = (
+        analyses[kind].assign_coords(N=((), load, {"units": "N"}), v=1.0)
+        for kind, load in (("response", 5.0), ("eigenvalues", 10.0))
+    )
+    if what == "N0":
+        lined = lined.isel(N0=[0]).rename(N0="crossing", growth_rate="critical_value")
+        lined["critical_value"].attrs["long_name"] = "critical value"
+    name = "growth_rate" if what == 0.0 else "critical_value"
+    asked = figure("map", x="Omega", y="N0", variable="attractor", level={f"fine:{name}": what})
+    for other, said in (
+        (lined, f"fine:{name}: its line is that at N = 10 N, over a map at N = 5 N; for"),
+        (lined.assign_coords(N=5.0), ""),
+        (lined.assign_coords(N=5.0).assign_attrs(law="none"), "is that at none, over a map at"),
+    ):
+        other.to_netcdf("runs/fine.nc", mode="w")
+        told = [note for note in style.notes_on(draw(mapped, asked)) if "its line is" in note]
+        assert len(told) == bool(said) and all(said in note for note in told)
+
+
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
     tmp_path, monkeypatch, turned

@@ -13,7 +13,7 @@ from fiv_cli.case.report import Path as Place
 from fiv_cli.case.report import Report
 from fiv_cli.case.toml import parse_toml, toml_text
 from fiv_cli.errors import FivError
-from fiv_cli.notation.names import suggest
+from fiv_cli.notation.names import listed, suggest
 
 
 def file_of(name: str, source: str) -> Path:
@@ -41,6 +41,26 @@ def _lines_of_others(case: Case) -> Iterator[tuple[Place, str, str, object]]:
             other, colon, variable = name.partition(":")
             if colon:
                 yield ("figure", index, "level", name), other, variable, own
+
+
+def held_otherwise(case: Case) -> Iterator[str]:
+    """What lines of other cases on maps are computed at that this case is not."""
+    for name in dict.fromkeys(other for _, other, _, _ in _lines_of_others(case)):
+        file = file_of(name, case.source)
+        if not _is_there(file):  # a dataset alone: the figure tells
+            continue
+        other = _read(file)
+        varied = {axis.name for axis in (*case.axes, *other.axes)}
+        differ = [
+            f"{key} = {value:g} (here {case.parameters[key]:g})"
+            for key, value in other.parameters.items()
+            if key not in varied and case.parameters.get(key, value) != value
+        ]
+        if differ:
+            yield (
+                f"a map draws a line of {name}, which is computed at {listed(differ)}: "
+                f"give {file} what this case has, or an axis that has it"
+            )
 
 
 def check_others(case: Case, report: Report) -> None:
@@ -99,9 +119,14 @@ def _is_there(file: Path) -> bool:
 
 
 def _known(file: Path) -> dict[str, Variable | None]:
-    """What another case will hold; its own claims, which may speak of this one, are left out."""
+    """What another case will hold."""
+    return known_in(_read(file))
+
+
+def _read(file: Path) -> Case:
+    """Another case without its own claims and figures, which may speak of this one."""
     from fiv_cli.case.load import parse_case
 
     document = parse_toml(file.read_text(encoding="utf-8"))
     rest = {key: value for key, value in document.items() if key not in ("claim", "figure")}
-    return known_in(parse_case(toml_text(rest), str(file)))
+    return parse_case(toml_text(rest), str(file))

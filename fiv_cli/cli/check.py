@@ -34,6 +34,7 @@ class Verdict:
     defaults: Mapping[str, float] = field(default_factory=dict)
     stiff: tuple[str, ...] = ()
     not_run: tuple[str, ...] = ()
+    held_otherwise: tuple[str, ...] = ()
     estimates: tuple[Estimate, ...] = ()
     error: FivError | None = None
 
@@ -93,14 +94,14 @@ def command(
 def check_case(source: str, overrides: Sequence[str], workers: int = 0) -> Verdict:
     """Read one case, plan it, and estimate its run on `workers`; an error is in the verdict."""
     from fiv_cli import api
-    from fiv_cli.case.others import not_run
+    from fiv_cli.case.others import held_otherwise, not_run
 
     try:
         case = api.load(source, overrides)
         plan = api.check(case)
         estimates = tuple(_estimates(case, workers)) if workers else ()
         lines = tuple(plan.describe(is_estimated=bool(estimates)))
-        told = lines, plan.defaults(), _stiff(plan), tuple(not_run(case))
+        told = lines, plan.defaults(), _stiff(plan), (*not_run(case),), (*held_otherwise(case),)
         return Verdict(source, *told, estimates)
     except FivError as error:
         return Verdict(source, error=error)
@@ -123,7 +124,8 @@ def _estimates(case: Case, workers: int) -> Iterator[Estimate]:
 def _print(verdicts: Iterable[Verdict]) -> None:
     for verdict in verdicts:
         if verdict.error is None:
-            more = (f"  {sentence}" for sentence in (*verdict.stiff, *verdict.not_run))
+            others = (*verdict.not_run, *verdict.held_otherwise)
+            more = (f"  {sentence}" for sentence in (*verdict.stiff, *others))
             costs = (line for one in verdict.estimates for line in (one.line(), *one.failures()))
             lines = [*verdict.plan, *more, *costs]
             click.echo(printable("\n".join(lines)))
@@ -140,6 +142,7 @@ def _document(verdict: Verdict) -> dict[str, object]:
         "defaults": verdict.defaults,
         "stiff": verdict.stiff,
         "not_run": verdict.not_run,
+        "held_otherwise": verdict.held_otherwise,
         "estimates": [asdict(one) for one in verdict.estimates],
         "error": None if verdict.error is None else str(verdict.error).splitlines()[0],
         "problems": problems,

@@ -259,18 +259,22 @@ def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
 
     Several that are equal in each dataset count as one.
     """
-    fixed = [
-        [one[name] for one in datasets]
-        for name, value in datasets[0].coords.items()
-        if all(name in one.coords and _is_one_number(one[name]) for one in datasets)
-    ]
     differ: dict[tuple[object, ...], list[list[xr.DataArray]]] = {}
-    for values in fixed:
-        numbers = [one.item() for one in values]
-        if len({*numbers}) > 1:
-            differ.setdefault((values[0].attrs.get("units"), *numbers), []).append(values)
+    for values in fixed_otherwise(datasets):
+        numbers = (one.item() for one in values)
+        differ.setdefault((values[0].attrs.get("units"), *numbers), []).append(values)
     few = differ.values() if len(differ) <= MOST_PARAMETERS else ()
     return [[*map(_equal, zip(*values, strict=True))] for values in few]
+
+
+def fixed_otherwise(datasets: Sequence[xr.Dataset]) -> list[list[xr.DataArray]]:
+    """The parameters that all hold fixed, not all at one value: those of each dataset."""
+    fixed = [
+        [one[name] for one in datasets]
+        for name in datasets[0].coords
+        if all(name in one.coords and _is_one_number(one[name]) for one in datasets)
+    ]
+    return [values for values in fixed if len({one.item() for one in values}) > 1]
 
 
 def _is_one_number(coordinate: xr.DataArray) -> bool:

@@ -175,6 +175,23 @@ def at_the_map(
     return dataset.squeeze(further, drop=True)
 
 
+def held_otherwise(name: str, dataset: xr.Dataset, mapped: xr.Dataset) -> Iterator[str]:
+    """What lines of a variable, of another case, hold fixed at another value than their map."""
+    laws = [str(one.attrs.get("law", "")) for one in (dataset, mapped)]
+    fixed = [] if "friction" in mapped.coords or laws[0] == laws[1] else [laws]
+    for values in labels.fixed_otherwise([dataset, mapped]):
+        units = [str(one.attrs.get("units", "1")) for one in values]
+        numbers = [labels.number_text(one.item(), [v.item() for v in values]) for one in values]
+        pairs = zip(numbers, units, strict=True)
+        fixed.append([f"{values[0].name} = {n} {u if u != '1' else ''}".rstrip() for n, u in pairs])
+    if fixed:
+        own, here = (", ".join(words) for words in zip(*fixed, strict=True))
+        yield (
+            f"{name}: its line is that at {own}, over a map at {here}; for its line there, give "
+            "its case that value, or an axis that has it"
+        )
+
+
 def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
     """The variable, or the two ends of what it may be."""
     low, high = ends_of(dataset, str(array.name))

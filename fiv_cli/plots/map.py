@@ -96,7 +96,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             written |= {*one.draw(ax, panel, colour)}
         points.scale(ax, settings)
     own = (one for one in lines if isinstance(one, _Lines) and one.of_the_map)
-    style.add_notes(figure, [*missed, *(word for one in own for word in one.unwritten(written))])
+    elsewhere = (word for one in lines for word in one.held_otherwise)
+    unwritten = (word for one in own for word in one.unwritten(written))
+    style.add_notes(figure, [*missed, *elsewhere, *unwritten])
     return figure
 
 
@@ -173,6 +175,7 @@ class _Lines:
     levels: Sequence[float]
     styles: Sequence[Any]
     of_the_map: bool
+    held_otherwise: Sequence[str] = ()
 
     @property
     def ends(self) -> list[Panel]:
@@ -230,7 +233,8 @@ def _lines(
             shown = alone if plain.count(alone) == 1 else name
             over = planes if is_own else _beside(layer, planes, name, shown)
             levels.refuse_class(over.array)
-            found.append(_Lines(over, own, _dashes(own, styles[is_own]), is_own))
+            otherwise = [*levels.held_otherwise(name, over.dataset, planes.dataset)]
+            found.append(_Lines(over, own, _dashes(own, styles[is_own]), is_own, otherwise))
     return found
 
 
