@@ -471,6 +471,24 @@ def test_of_lines_along_the_axis_that_beneath_the_last_is_seen(starts):
     assert [int(np.isfinite(one.get_ydata()).sum()) for one in along] == [20]
 
 
+@pytest.mark.parametrize(("alone", "marks"), [([], ["None", "None"]), ([20], [".", "x"])])
+def test_points_that_stand_alone_tell_by_marks_what_dashes_do(alone, marks):
+    """Their colour is the preload's: two dots of one were those of two variables."""
+    values = np.linspace(1.0, 2.0, 46)[:, None] + np.array([0.0, 3.0, 6.0])
+    classes = np.full(values.shape, "periodic", object)
+    classes[alone] = "equilibrium"
+    axes = data.axes(Omega=np.linspace(0.5, 5.0, 46), N0=[10.0, 20.0, 30.0])
+    dims, unit = ("Omega", "N0"), {"units": "m"}
+    both = {"x_rms": (dims, values, unit), "y_rms": (dims, values + 19.0, unit)}
+    dataset = data.response(classes, values, axes).assign(both)
+    drawn = draw(dataset, figure("curve", x="Omega", variable=[*both]))
+    (legend,) = drawn.legends or [drawn.axes[0].get_legend()]
+    assert [key.get_marker() for key in legend.legend_handles[-2:]] == marks
+    seen = [line for line in drawn.axes[0].lines if len(line.get_xdata()) > 40]
+    told = {(line.get_linestyle(), line.get_marker()) for line in seen if alone}
+    assert told == {*zip(("-", "--"), marks, strict=True)} if alone else len(seen) == 6
+
+
 def test_dashes_tell_no_starts_whose_lines_are_one_for_a_while():
     """In one colour those beneath would not be seen there."""
     values = np.zeros((46, 2))
@@ -2809,6 +2827,26 @@ def test_levels_on_steep_lines_are_all_written_upwards():
         drawn = draw(response, figure("map", variable="L_s", level=[3.0, 5.0, 7.0]))
         turned = [text.get_rotation() for text in drawn.axes[0].texts]
         assert len(turned) >= 3 and all(60.0 < angle <= 90.0 for angle in turned)
+
+
+def test_a_level_is_written_over_no_undecided_point_where_there_is_room():
+    dataset = with_growth()["response"]
+    x, y = (dataset[name].values for name in ("Omega", "N0"))
+    dataset["L_s"].values[:] = (x[:, None] + 0.0 * y)[..., None]
+    classes = dataset["attractor"].isel(initial=0).values
+    classes[:] = data.codes(data.ATTRACTORS, "periodic")
+    shown = figure("map", variable="L_s", x="Omega", y="N0", level=[float(x[x.size // 2]) + 0.02])
+    (free,) = draw(dataset, shown).axes[0].texts
+    near = np.abs(y - free.get_position()[1]).argmin()
+    classes[x.size // 2 - 1 : x.size // 2 + 2, near] = data.codes(data.ATTRACTORS, "undecided")
+    drawn = draw(dataset, shown)
+    drawn.canvas.draw()
+    ax = drawn.axes[0]
+    (text,) = ax.texts
+    marks = [line for line in ax.lines if line.get_marker() == "o"]
+    assert marks
+    places = np.concatenate([ax.transData.transform(one.get_xydata()) for one in marks])
+    assert not any(text.get_window_extent().contains(*place) for place in places)
 
 
 def test_a_level_is_written_where_its_line_is_straight_and_no_other_is_near(tmp_path, monkeypatch):

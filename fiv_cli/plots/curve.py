@@ -117,7 +117,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     points.refuse_empty(layers[0].dataset, any(one.is_known for _, one in drawn), names[0])
     title = points.title(*(layer.dataset for layer in layers))
     figure, axes = style.new_panels(len(panels), 1, title, sharex=True)
-    dashed, every = _told_by_dashes(drawn, bare), [curve for _, curve in drawn]
+    dashed = _told_by_dashes(drawn, bare)
+    drawn = _marked_apart(drawn, dashed)
+    every = [curve for _, curve in drawn]
     entries = _entries(every, dashed)
     if dashed:
         _name_looks(axes[0], every, entries, dashed)
@@ -366,6 +368,17 @@ def _told_by_dashes(drawn: Sequence[tuple[int, _Curve]], bare: Sequence[int]) ->
     return min(fit, key=lambda dim: fit[dim], default="")
 
 
+def _marked_apart(drawn: Sequence[tuple[int, _Curve]], dashed: str) -> list[tuple[int, _Curve]]:
+    """The lines, with marks that tell what dashes do where one of their points stands alone."""
+    if not any(one.has_lone for _, one in drawn if one.words.get(dashed)):
+        return [*drawn]
+    words = dict.fromkeys(one.words.get(dashed, "") for _, one in drawn)
+    keys = (dict(zip(("marker", "ms"), mark, strict=True)) for mark in SORT_MARKS[1:])
+    marks = dict(zip(filter(None, words), (DOT, *keys), strict=False))
+    own = ((place, one, marks.get(one.words.get(dashed, ""), DOT)) for place, one in drawn)
+    return [(place, replace(one, mark=mark)) for place, one, mark in own]
+
+
 def _coincide(drawn: Sequence[tuple[int, _Curve]]) -> bool:
     """Whether lines that differ in their start alone run upon each other for a while.
 
@@ -423,9 +436,12 @@ def _name_looks(
     colours = {points.stem(one.without(dashed)): entry.colour for one, entry in pairs}
     for word, colour in colours.items():
         ax.plot([], [], color=colour, label=word, **style.COLOUR_ALONE)
-    dashes = {one.words[dashed]: entry.dash for one, entry in pairs if one.words.get(dashed)}
-    for word, dash in dashes.items():
-        ax.plot([], [], ls=dash, color=style.BLACK, label=word)
+    looks = {
+        one.words[dashed]: (one.mark, entry.dash) for one, entry in pairs if one.words.get(dashed)
+    }
+    apart = len({str(mark) for mark, _ in looks.values()}) > 1
+    for word, (mark, dash) in looks.items():
+        ax.plot([], [], ls=dash, color=style.BLACK, label=word, **(mark if apart else {}))
 
 
 def _panels(variables: Mapping[str, xr.DataArray]) -> list[dict[str, xr.DataArray]]:
@@ -771,6 +787,12 @@ class _Curve:
     def known(self) -> np.ndarray:
         """At which points it has a value."""
         return np.asarray(np.isfinite([self.y, *self.ends]).any(axis=0))
+
+    @property
+    def has_lone(self) -> bool:
+        """Whether no line leads to some of its points."""
+        sure = np.where(self.known & ~self.open & ~self.is_wide, 1.0, np.nan)
+        return bool(points.alone(np.isfinite(np.insert(sure, self.jumps, np.nan))).any())
 
     @property
     def is_known(self) -> bool:

@@ -53,6 +53,7 @@ WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (
 PAD = 0.25  # around a level that is written, in heights of its letters
 WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.5}
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
+OVER_MARKS = 4.5
 NOT_KNOWN = "not known"
 NO_CELLS = np.empty((0, 4))
 IN_A_ROW = "passed in one row of points alone (a line leads between two)"
@@ -261,6 +262,7 @@ def _name(
     own = [lines for lines, _ in drawn]
     further = [one for one in ax.collections if isinstance(one, QuadContourSet) and one not in own]
     crossing = [*_drawn_lines(ax), *(piece for one in further for piece in _pieces(one))]
+    marks = [*_drawn_marks(ax)]
     found: list[tuple[QuadContourSet, float, list[np.ndarray]]] = []
     for lines, level in drawn:
         if any(of == level and places for _, of, places in found):
@@ -269,7 +271,9 @@ def _name(
         taken = [*written, *(place for _, _, places in found for place in places)]
         text = labels.number_text(level, levels)
         rooms = (
-            _rooms(ax, lines, text, (others, shares), crossing, taken) for shares in (CLEAR, ALIKE)
+            _rooms(ax, lines, text, (others, shares), [*crossing, *hidden], taken)
+            for shares in (CLEAR, ALIKE)
+            for hidden in (marks, ())  # better no mark lies beneath a level
         )
         found.append((lines, level, next(filter(None, rooms), [])[:most]))
     size = mpl.rcParams["legend.fontsize"]
@@ -278,25 +282,31 @@ def _name(
         look: dict[str, Any] = {"fontsize": size, "manual": places, "inline": False}
         told = {level: labels.number_text(level, levels)}
         for text_ in ax.clabel(lines, fmt=told, **look) if places else ():
-            text_.set_bbox(WHITE)
+            text_.set(bbox=WHITE, zorder=OVER_MARKS)
             upwards = (text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
             text_.set_rotation(min(upwards, 90.0))  # none is turned over
     beside = set()
     for lines, level, _ in [one for one in found if not one[2]]:
         others = [piece for one, of in drawn if of != level for piece in _pieces(one)]
         text = labels.number_text(level, levels)
-        beside |= {level} if _write_beside(ax, lines, text, [*others, *crossing]) else set()
+        beside |= {level} if _write_beside(ax, lines, text, [*others, *crossing], marks) else set()
     return beside | {level for _, level, places in found if places}
 
 
-def _write_beside(ax: Axes, lines: QuadContourSet, text: str, others: Sequence[np.ndarray]) -> bool:
+def _write_beside(
+    ax: Axes,
+    lines: QuadContourSet,
+    text: str,
+    others: Sequence[np.ndarray],
+    marks: Sequence[np.ndarray],
+) -> bool:
     """Write a level beside its longest line, which is too short to have it on it; whether it does.
 
     Next to its middle, or where else it lies upon no line and no other level, and nearer to its own
-    line than to `others`.
+    line than to `others`; if it can be, upon none of the `marks`.
     """
     height, half, pixels = _height(ax), _half_of(ax, text), ax.transData.transform
-    own, far = (_lying(ax, pieces) for pieces in (_pieces(lines), others))
+    own, far, hidden = (_lying(ax, pieces) for pieces in (_pieces(lines), others, marks))
     line = max((pixels(piece) for piece in _pieces(lines)), key=_extent, default=own)
     line = _thinned(line, MOST_BESIDE)
     middle = line[np.argsort(np.abs(np.arange(len(line)) - len(line) // 2))]
@@ -307,9 +317,10 @@ def _write_beside(ax: Axes, lines: QuadContourSet, text: str, others: Sequence[n
     gaps = [_gaps(places, half, one) for one in (own, far)]
     inside = (ax.bbox.min + half <= places) & (places <= ax.bbox.max - half)
     free = inside.all(axis=1) & ~upon & (2.0 * gaps[0] < gaps[1])
-    best = np.flatnonzero(free)[np.argsort((gaps[0] - gaps[1])[free], kind="stable")[:1]]
+    hides = _gaps(places, half, hidden) == 0.0
+    best = np.flatnonzero(free)[np.lexsort(((gaps[0] - gaps[1])[free], hides[free]))[:1]]
     for x, y in ax.transData.inverted().transform(places[best]):
-        look: dict[str, Any] = {"ha": "center", "va": "center", "bbox": WHITE}
+        look = {"ha": "center", "va": "center", "bbox": WHITE, "zorder": OVER_MARKS}
         size = mpl.rcParams["legend.fontsize"]
         ax.text(x, y, text, fontsize=size, color=lines.get_edgecolor()[0], **look)
     return bool(free.any())
@@ -430,6 +441,13 @@ def _drawn_lines(ax: Axes) -> Iterator[np.ndarray]:
     for line in ax.lines:
         if line.get_transform() == ax.transData and line.get_linestyle() != "None":
             yield np.asarray(line.get_xydata(), float)
+
+
+def _drawn_marks(ax: Axes) -> Iterator[np.ndarray]:
+    """Each mark that stands alone in a panel, as a line of one point, in its own numbers."""
+    for line in ax.lines:
+        if line.get_transform() == ax.transData and line.get_linestyle() == "None":
+            yield from np.asarray(line.get_xydata(), float)[:, None]
 
 
 def _distances(points: np.ndarray, others: Sequence[np.ndarray]) -> np.ndarray:
