@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fiv_cli.sweep.plan import AnalysisPlan, make_plan
+from fiv_cli.sweep.queue import spread
 from fiv_cli.sweep.requests import (
     point_key,
     request_at,
@@ -43,6 +44,18 @@ def test_a_negative_zero_is_a_zero() -> None:
         return bytes(plan_of(grid(alpha_0=[zero]).replace(RESPONSE, SLOPE)).keys()[0].tobytes())
 
     assert key(-0.0) == key(0.0)
+
+
+@given(size=st.integers(1, 4000), share=st.floats(0.05, 1.0))
+@settings(deadline=None)
+def test_points_are_taken_from_all_over_the_grid(size: int, share: float) -> None:
+    """Each beginning of a run has about as many of each quarter; neighbours stay together."""
+    order = spread(np.arange(size) + 7)
+    assert sorted(order) == [*range(7, size + 7)]
+    first = order[: int(share * size)] - 7
+    counts = np.histogram(first, np.linspace(0.0, size, 5))[0]
+    assert np.abs(counts - first.size / 4).max() <= 3 * max(1, min(16, size // 64)) + 1
+    assert spread(np.arange(6400))[:16].tolist() == [*range(16)]
 
 
 numbers = st.lists(

@@ -1,11 +1,14 @@
 """What is left to run, handed out as tasks.
 
-Two kinds of work: points that start on their own, taken in order, and chains, of which only the
-next piece can run. After a worker died the points that may be to blame are run alone.
+Two kinds of work: points that start on their own, and chains, of which only the next piece can run.
+The former are taken from all over the grid, so that what is there early shows the whole of it, and
+its rate tells how long the rest will take, though one corner be slow. After a worker died the
+points that may be to blame are run alone.
 """
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -18,6 +21,9 @@ from fiv_cli.sweep.plan import AnalysisPlan, ChainSet
 from fiv_cli.sweep.worker import ChainState, Result, Segment, Task
 
 Positions = NDArray[np.int64]
+
+TOGETHER, RUNS = 16, 64  # points that stay together, at most, and runs of such, at least
+GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 @dataclass(slots=True)
@@ -88,7 +94,7 @@ class Queue:
         self._time_limit = time_limit
         done = record.done() | ~record.wanted()
         singles = analysis.single_positions()
-        self._singles: deque[Positions] = deque([singles[~done[singles]]])
+        self._singles: deque[Positions] = deque([spread(singles[~done[singles]])])
         self._suspects: deque[int] = deque()
         self._cursors = deque(
             cursor
@@ -179,6 +185,17 @@ def _suspect(pieces: Iterable[tuple[Cursor, int]], row: int) -> None:
             cursor.alone |= {cursor.offset + row}
             return
         row -= count
+
+
+def spread(positions: Positions) -> Positions:
+    """The same, in an order of which each beginning is spread evenly over all of them.
+
+    That is by the multiples of the golden ratio, less what is whole of them (Weyl). Neighbours, as
+    the starts of one set of parameters, stay together: they share what these have been asked for.
+    """
+    together = max(1, min(TOGETHER, positions.size // RUNS))
+    runs = np.arange(positions.size) // together
+    return positions[np.argsort(runs * GOLDEN % 1.0, kind="stable")]
 
 
 def _cursors(
