@@ -111,6 +111,33 @@ def test_damping_that_stabilises_is_found_as_well() -> None:
     assert found.values["crossing_direction"][0] == "to_stable"
 
 
+@pytest.mark.parametrize("low", [-1.7, -1e-3, -1e-4, 0.0, 1e-4])
+@pytest.mark.parametrize("high", [1.5, 1.7, 1.9])
+def test_what_lies_beside_a_belt_at_standstill_is_found_in_any_bracket(
+    low: float, high: float
+) -> None:
+    """Stable for belts slower than 0.7 mm/s, whichever way; at 0 there is no sliding at all.
+
+    A thousandth of a bracket: two roots and two ends between its first two samples.
+    """
+    law = {"mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "delta": 2.0}
+    found = critical("belt-1dof", "v", (low, high), law="stribeck", c=0.01, N=10.0, **law)
+
+    def slope(v: float) -> float:
+        return 0.01 - 10.0 * 0.17 * 2.0 * v / 0.25 * float(np.exp(-((v / 0.5) ** 2)))
+
+    slow, fast = brentq(slope, 1e-5, 0.1, xtol=1e-17), brentq(slope, 0.5, 1.4, xtol=1e-15)
+    expected = [
+        (-fast, "root", "to_unstable"), (-slow, "root", "to_stable"), (0.0, "end", "lost"),
+        (0.0, "end", "gained"), (slow, "root", "to_unstable"), (fast, "root", "to_stable"),
+    ]  # fmt: skip
+    inside = [one for one in expected if low < one[0] < high or (one[2] == "gained" and low <= 0.0)]
+    told = [found.values[f"crossing_{name}"].tolist() for name in ("kind", "direction")]
+    assert [*zip(*told, strict=True)] == [one[1:] for one in inside]
+    values = [one[0] for one in inside]
+    np.testing.assert_allclose(found.values["critical_value"], values, rtol=1e-12, atol=1e-20)
+
+
 # --- tangential excitation (thesis 5.2) -----------------------------------------------------------
 def test_the_excited_model_at_rest() -> None:
     assert only(critical("excited-2dof", "mu_k", (0.0, 1.0))) == pytest.approx(0.36562415, abs=5e-9)

@@ -436,7 +436,11 @@ class FigureTable(Table):
         "means the first; a bifurcation shows section_value alone",
     )
     select: dict[str, Wanted] = Field(
-        default={}, description="axis or initial -> value, list of values or condition to draw"
+        default={},
+        description=(
+            "axis, initial, or what the variable has besides (state, mode, contact, crossing) -> "
+            "value, list of values or condition to draw"
+        ),
     )
     take: TakeTable | None = Field(
         default=None, description="draw one number for all that the variable holds along axes"

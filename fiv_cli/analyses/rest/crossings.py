@@ -2,10 +2,11 @@
 
 The bracket is sampled adaptively: a piece is finished when every mode, followed through its ends
 and its middle, is told by a straight line well enough that its real part has no zero, or exactly
-one, in between, and no two modes can meet. A root is then found by Brent's method on its own
-mode. What stays unresolved down to `NARROWEST` is a singularity: there the number of growing
-modes (or the existence of the equilibrium) is bisected to rounding, and what the eigenvalues do
-across it tells a root (undamped flutter, where they branch) from a jump. Wherever a value without
+one, in between, and no two modes can meet; nor does slip reverse there, nor a law go on by another
+of its pieces. A root is then found by Brent's method on its own mode. What stays unresolved down
+to `NARROWEST` is a singularity: there the number of growing modes (or the existence of the
+equilibrium, or its way of slipping) is bisected to rounding, and what the eigenvalues do across it
+tells a root (undamped flutter, where they branch) from a jump. Wherever a value without
 an equilibrium turns up in between (a critical speed of a disc), the piece is divided there.
 
 A scan is a generator: it hands out the values at which it wants the modes and is sent these, so
@@ -15,7 +16,7 @@ that scans of many points advance side by side and what all of them want is comp
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any, TypeVar
 
@@ -42,6 +43,7 @@ Complex = NDArray[np.complex128]
 
 PIECES = 32  # into which a bracket is divided at least
 NARROWEST = 2.0**-20  # share of the bracket at which a piece is not divided any more
+NARROW = 2.0**10  # of it one is wide, in which a law goes on by another of its pieces
 MOST_SAMPLES = 20_000
 BENT = 0.25  # largest departure from a straight line, over the change of a real part with a root
 MARGIN = 2.0  # by which departures from a straight line must be smaller than what they could hide
@@ -52,6 +54,8 @@ HALVINGS = 64
 ROUNDED = 64.0 * ULP  # share of a value by which the other parameters' rounding moves it (up to 23)
 NEIGHBOURS = 8  # numbers on each side of a root without frequency that are looked at
 
+NOWHERE = Modes(np.zeros(0, complex), np.zeros((0, 0), complex), np.zeros(0, np.intp))
+
 
 @dataclass(frozen=True)
 class Sample:
@@ -61,10 +65,14 @@ class Sample:
     ----------
     at : value of the parameter
     modes : in rad/s; none where there is no equilibrium
+    signs : of the slip of each contact; 0 where it may stand still
+    piece : all else that tells on which of several smooth pieces the equations are
     """
 
     at: float
     modes: Modes
+    signs: tuple[float, ...] = ()
+    piece: tuple[float, ...] = ()
 
     @property
     def values(self) -> Complex:
@@ -103,7 +111,7 @@ class Sample:
         if not (self.exists and previous.exists):
             return self
         modes = self.modes.taken((yield previous.modes, self.modes))
-        return self if modes is self.modes else Sample(self.at, modes)
+        return self if modes is self.modes else replace(self, modes=modes)
 
 
 @dataclass(frozen=True)
@@ -270,16 +278,18 @@ def _samples(
     system: System, points: Sequence[Mapping[str, float]], which: str, values: Sequence[float]
 ) -> list[Sample]:
     """The modes at the first equilibrium of each point, where the parameter has these values."""
-    nowhere = Modes(np.zeros(0, complex), np.zeros((0, 0), complex), np.zeros(0, np.intp))
-    samples = [Sample(at, nowhere) for at in values]
+    samples = [Sample(at, NOWHERE) for at in values]
     for rows, sliding in sliding_systems(system, points, which):
+        signs, pieces = sliding.slip_signs.tolist(), sliding.pieces.tolist()
         firsts = [one.states[:1] for one in equilibria_at(sliding)]
         exist = [place for place, first in enumerate(firsts) if first]
         if exist:
             own, vectors = modes_at(sliding[exist], np.array([firsts[place][0] for place in exist]))
             modes = modes_of(own, vectors.swapaxes(1, 2))
             for place, row in enumerate(rows[exist].tolist()):
-                samples[row] = Sample(values[row], modes[place])
+                at = exist[place]
+                piece = (id(sliding.system), *pieces[at])  # an averaged one changes, too
+                samples[row] = Sample(values[row], modes[place], tuple(signs[at]), piece)
     return samples
 
 
@@ -335,7 +345,8 @@ class _Scan:
         middle = yield from middle.after(left)
         ordered = yield from right.after(middle)
         try:
-            if _is_resolved(left, middle, ordered):
+            is_rough = left.piece != right.piece and right.at - left.at > NARROW * self.narrowest
+            if _is_resolved(left, middle, ordered) and not is_rough:
                 self.found += yield from self.roots(left, ordered)
                 return ordered
             if right.at - left.at <= self.narrowest and not _differs(middle, left, right):
@@ -410,11 +421,23 @@ class _Scan:
         if left.exists != right.exists:
             ends = yield from self.bisected(left, right, lambda one: one.exists == left.exists)
             return [_end(*ends)]
+        if any(one * other < 0.0 for one, other in zip(left.signs, right.signs, strict=True)):
+            return (yield from self.reversal(left, right))
         if left.unstable != right.unstable:
             low, high = yield from self.bisected(left, right, _same_count(left, right))
             low = yield from low.after(left)
             return [_branching(low, (yield from high.after(low)))]
         return []
+
+    def reversal(self, left: Sample, right: Sample) -> Scan[list[Crossing]]:
+        """Where slip reverses: where it would stand still there is no equilibrium."""
+        low, high = yield from self.bisected(
+            left, right, lambda one: one.exists and one.signs == left.signs
+        )
+        still = Sample((low.at + high.at) / 2.0, NOWHERE)
+        before = yield from self.singularity(left, low)
+        after = yield from self.singularity(high, right)
+        return [*before, _end(low, still), _end(still, high), *after]
 
     def bisected(
         self, left: Sample, right: Sample, is_left: Callable[[Sample], bool]
@@ -458,6 +481,8 @@ def _is_resolved(left: Sample, middle: Sample, right: Sample) -> bool:
         return False
     if not left.exists:
         return True
+    if len({one.signs for one in (left, middle, right)}) > 1:
+        return False
     samples = np.array([left.values, middle.values, right.values])
     scale = float(np.abs(samples).max())
     signs_told = _signs_are_told(samples.real, NEUTRAL * scale)

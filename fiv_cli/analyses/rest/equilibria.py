@@ -90,6 +90,21 @@ class Sliding:
         found = self.system.linearised(self.index, self.coefficients, 0.0, y, columns)
         return np.ascontiguousarray(found[..., 1]).swapaxes(-1, -2)
 
+    @property
+    def slip_signs(self) -> NDArray[np.float64]:
+        """Of the contacts, 0 where one may stand still; shape (..., n_contacts)."""
+        signs = self.parameters[..., self._first_sign : -1]
+        return np.where(_may_stand_still(self.system), 0.0, signs)
+
+    @property
+    def pieces(self) -> NDArray[np.float64]:
+        """Numbers of the pieces of laws that these rest in; shape (..., n_pieces)."""
+        return self.parameters[..., self.system.n_own_parameters : self._first_sign]
+
+    @property
+    def _first_sign(self) -> int:
+        return self.parameters.shape[-1] - 1 - self.system.n_contacts
+
     @cached_property
     def statics(self) -> Statics:
         """What is known of the system at rest."""
@@ -170,11 +185,8 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
     state = Sliding(system, vectors, coefficients, index, ~none, none)
     at_rest = np.zeros((len(points), len(system.state_names)))
     velocities = state.contact_forces(at_rest)[..., 2]
-    laws = system.pieces.laws
-    still = np.array(system.generated.smooth)
-    still[[contact for contact, law in laws.items() if law.states]] = False
-    moving = ((velocities != 0.0) | still).all(axis=-1)
-    if laws or (velocities < 0.0).any():
+    moving = ((velocities != 0.0) | _may_stand_still(system)).all(axis=-1)
+    if system.pieces.laws or (velocities < 0.0).any():
         first = vectors.shape[-1] - 1 - system.n_contacts
         vectors[:, first:-1] = np.where(velocities < 0.0, -1.0, 1.0)
         slips = velocities.tolist()
@@ -185,6 +197,13 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
     if moving.all():
         return state
     return replace(state, held=(velocities == 0.0).all(axis=-1) & ~moving & _are_springs(state))
+
+
+def _may_stand_still(system: System) -> NDArray[np.bool_]:
+    """Which contacts may: their laws have no border at zero slip; shape (n_contacts,)."""
+    still = np.array(system.generated.smooth)
+    still[[contact for contact, law in system.pieces.laws.items() if law.states]] = False
+    return still
 
 
 def _are_springs(state: Sliding) -> NDArray[np.bool_]:
