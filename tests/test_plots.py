@@ -2770,12 +2770,13 @@ def test_lines_of_a_map_have_their_levels_written_on_them():
     assert both.legends[0].get_title().get_text() == said
 
 
-def test_of_several_levels_the_one_next_to_rest_lies_between_rest_and_motion():
+@pytest.mark.parametrize("overlay", [False, True])
+def test_of_several_levels_the_one_next_to_rest_lies_between_rest_and_motion(overlay):
     """As a single level does: it is the border of a region, though that is a jump."""
     dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
     along_the_jump = {}
     for level in ([5e-4], [1e-3], [5e-4, 1e-3], [-1e-4, 5e-4, 1e-3]):
-        drawn = draw(dataset, figure("map", variable="L_s", level=level))
+        drawn = draw(dataset, figure("map", variable="L_s", level=level, overlay=overlay))
         for lines in drawn.findobj(ContourSet):
             x, y = np.concatenate(lines.allsegs[0]).T
             key = len(level), float(lines.levels[0])
@@ -2783,6 +2784,8 @@ def test_of_several_levels_the_one_next_to_rest_lies_between_rest_and_motion():
     assert along_the_jump[1, 5e-4] > 20 and along_the_jump[1, 1e-3] > 20
     for count in (2, 3):  # one on the other side of rest is another border
         assert along_the_jump[count, 5e-4] > 20 and along_the_jump[count, 1e-3] < 5
+    drawn = draw(dataset, figure("map", variable="L_s", level=[1e-6, 2e-5], overlay=overlay))
+    assert any("it lies in the jump" in note for note in style.notes_on(drawn))
 
 
 @pytest.mark.parametrize("width", [60.0, 84.0, 200.0])
@@ -2987,8 +2990,30 @@ def test_counts_of_another_case_have_lines_in_the_panels_that_it_knows_alone():
 
 def on_the_lines(drawn):
     """Corners of all lines on the first panel of a map, shape (n, 2)."""
-    pieces = [piece for one in drawn.findobj(ContourSet) for piece in one.allsegs[0]]
-    return np.concatenate(pieces)
+    every = [segments for one in drawn.findobj(ContourSet) for segments in one.allsegs]
+    return np.concatenate([piece for segments in every for piece in segments])
+
+
+def test_a_short_piece_of_a_dashed_line_shows_its_dashes():
+    """In a corner, shorter than one dash, it looked like the solid line of another level."""
+    dataset = with_growth()["response"]
+    x, y = (dataset[name].values for name in ("Omega", "N0"))
+    share = [(of - of[0]) / np.ptp(of) for of in (x, y)]
+    sums = share[0][:, None] + share[1]
+    heights = np.interp(sums, [0.0, 0.5, 1.0, 2.0], [2.0, 1.0, 1.95, 3.0])
+    dataset["L_s"].values[:] = heights[..., None]
+    drawn = draw(dataset, figure("map", variable="L_s", x="Omega", y="N0", level=[1.2, 1.95]))
+    drawn_lines = drawn.findobj(ContourSet)
+    (dashed,) = {one for one in drawn_lines if one.get_linestyle()[0][1] is not None}
+    periods = [sum(pattern) for _, pattern in dashed.get_linestyle()]
+    assert len(periods) == len(dashed.allsegs) == 2 and periods[1] < periods[0]
+    lengths = [
+        np.linalg.norm(np.diff(drawn.axes[0].transData.transform(piece), axis=0), axis=1).sum()
+        for (piece,) in dashed.allsegs
+    ]
+    assert lengths[1] * 72.0 / drawn.dpi == pytest.approx(1.6 * periods[1], rel=0.02)
+    rows = as_csv(drawn, Path("a.csv")).splitlines()
+    assert sum("1.95" in row for row in rows) >= sum(len(piece) for (piece,) in dashed.allsegs)
 
 
 @pytest.mark.parametrize("variable", ["attractor", "L_s"])

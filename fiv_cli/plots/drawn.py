@@ -137,7 +137,7 @@ def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
         pieces = map(np.asarray, artist.get_segments())
         return (piece for piece in pieces if piece.size)  # an error bar that is not known has none
     if isinstance(artist, ContourSet):
-        return map(np.asarray, artist.allsegs[0])
+        return (np.asarray(piece) for own in artist.allsegs for piece in own)
     marks = np.asarray(artist.get_offsets()) if isinstance(artist, PathCollection) else np.empty(0)
     return [marks] if marks.size else []
 

@@ -11,6 +11,7 @@ to another, as from what rests to what vibrates; of several levels that next to 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import chain
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -18,6 +19,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from numpy.lib.stride_tricks import sliding_window_view
 
@@ -54,8 +56,13 @@ PAD = 0.25  # around a level that is written, in heights of its letters
 WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.5}
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 OVER_MARKS = 4.5
+LEAST_PERIODS = 1.6  # of dashes that a piece of a line shows
 NOT_KNOWN = "not known"
 NO_CELLS = np.empty((0, 4))
+IN_A_JUMP = (
+    "it lies in the jump between rest and motion, where of several levels that next to rest alone "
+    "has a line"
+)
 IN_A_ROW = "passed in one row of points alone (a line leads between two)"
 RIM: Any = [withStroke(linewidth=2.3, foreground="white")]  # of lines on any shade
 # Of each level the planes whose line is drawn: one, or one for each end of what its values may be.
@@ -227,9 +234,37 @@ def draw(
                     linewidths=1.5,
                 )  # fmt: skip
                 lines.set_path_effects(RIM if rim else [])
+                _dash_short_pieces(ax, lines)
                 lines.set_label(points.unlisted(label, _words(array, level, levels)))
                 drawn.append((lines, level))
     return _name(ax, drawn, levels) if named else ()
+
+
+def _dash_short_pieces(ax: Axes, lines: QuadContourSet) -> None:
+    """Dash the pieces of a dashed line that are shorter than its dashes more finely, for they look
+    like a solid one."""
+    looks: Any = lines.get_linestyle()
+    (start, pattern), width = looks[0], np.max(lines.get_linewidth())
+    if not pattern:
+        return
+    period = sum(pattern) * ax.figure.figure.dpi / style.POINTS
+    pieces = sorted(_pieces(lines), key=lambda piece: _periods(ax, piece, period))
+    shares = [min(_periods(ax, one, period) / LEAST_PERIODS, 1.0) for one in pieces]
+    short = sum(share < 1.0 for share in shares)
+    whole = [Path.make_compound_path(*map(Path, pieces[short:]))] if pieces[short:] else []
+    if short:
+        finer: Any = [
+            (start, [share * dash / width for dash in pattern])
+            for share in [*[1.0] * len(whole), *shares[:short]]
+        ]
+        lines.set_paths([*whole, *map(Path, pieces[:short])])
+        lines.set_linestyle(finer)
+
+
+def _periods(ax: Axes, piece: np.ndarray, period: float) -> float:
+    """Length of a piece, in periods of its dashes (pixels)."""
+    steps = np.diff(ax.transData.transform(piece), axis=0)
+    return float(np.linalg.norm(steps, axis=1).sum()) / period
 
 
 def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
@@ -460,13 +495,13 @@ def _distances(points: np.ndarray, others: Sequence[np.ndarray]) -> np.ndarray:
 
 def _pieces(lines: QuadContourSet) -> list[np.ndarray]:
     """The pieces of lines at one level; beside what is not known there are some without a point."""
-    return [piece for piece in lines.allsegs[0] if len(piece)]
+    return [piece for own in lines.allsegs for piece in own if len(piece)]
 
 
 def _beside(plane: np.ndarray, level: float) -> str:
     """On which side of the level a plane lies, or its parts; nothing where a line leads through."""
-    sides = {_side(part, level) for part in plane}
-    return "" if "" in sides else " or ".join(sorted(sides - {NOT_KNOWN})) or NOT_KNOWN
+    sides = {_side(part, level) for part in plane} - {NOT_KNOWN}
+    return "" if "" in sides else IN_A_JUMP if len(sides) > 1 else "".join(sides) or NOT_KNOWN
 
 
 def _side(part: np.ndarray, level: float) -> str:
@@ -519,34 +554,33 @@ def unwritten(
 def overlay(
     ax: Axes,
     array: xr.DataArray,
-    planes: Sequence[tuple[str, Sequence[np.ndarray]]],
+    planes: Sequence[tuple[str, Panel]],
     places: tuple[np.ndarray, np.ndarray],
     levels: Sequence[float],
 ) -> None:
-    """The lines of several planes (label, values of each end) in one panel: a colour for each
+    """The lines of several planes (label, what it is at each level) in one panel: a colour for each
     plane, a kind of line for each level or, of a single level, for each plane."""
-    if not levels:
-        raise UsageError("maps are overlaid as lines, and no `level` says which")
     figure, colours, single = ax.figure.figure, style.line_colours(len(planes)), len(levels) == 1
     dashes = [style.dash(number, len(planes)) if single else "-" for number in range(len(planes))]
     told = [
         Line2D([], [], color=colour, ls=dash, label=word)
-        for (label, ends), colour, dash in zip(planes, colours, dashes, strict=True)
-        if (word := _entry(label, ends, levels))
+        for (label, panel), colour, dash in zip(planes, colours, dashes, strict=True)
+        if (word := _entry(label, panel, levels))
     ]
-    every = [ends for _, ends in planes]
-    panels = [[ends] * len(levels) for ends in every]
+    panels = [panel for _, panel in planes]
     of_all = keys(array, levels, style.BLACK if len(planes) > 1 else colours[0], panels)
-    heading = f"{_words(array, levels[0], levels)}{_both(every)}" if told and single else ""
+    both = _both([ends for panel in panels for ends in panel])
+    heading = f"{_words(array, levels[0], levels)}{both}" if told and single else ""
     style.legend_below(figure, [*told, *([] if told and single else of_all)], heading)
     figure.draw_without_rendering()  # levels are written along lines as they look
     written: set[float] = set()
-    for (label, ends), colour, dash in zip(planes, colours, dashes, strict=True):
+    for (label, panel), colour, dash in zip(planes, colours, dashes, strict=True):
         look: dict[str, Any] = {"label": label, "named": not single}
         look["styles"] = [dash] if single else STYLES
-        written |= {*draw(ax, array, places, [ends] * len(levels), levels, colour, **look)}
+        written |= {*draw(ax, array, places, panel, levels, colour, **look)}
     if not single:
-        style.add_notes(figure, [*unwritten(array, panels, levels, written)])
+        notes = missed(array, panels, levels), unwritten(array, panels, levels, written)
+        style.add_notes(figure, [*chain(*notes)])
 
 
 def keys(
@@ -570,9 +604,10 @@ def _both(planes: Sequence[Sequence[np.ndarray]]) -> str:
     return ", at least and at most" if any(len(ends) > 1 for ends in planes) else ""
 
 
-def _entry(label: str, ends: Sequence[np.ndarray], levels: Sequence[float]) -> str:
+def _entry(label: str, panel: Panel, levels: Sequence[float]) -> str:
     """The label of a plane; of one without a line it says on which side of the levels it lies."""
-    sides = {_beside(plane, level) for plane in ends for level in levels}
+    pairs = zip(panel, levels, strict=True)
+    sides = {_beside(plane, level) for ends, level in pairs for plane in ends}
     return points.joined(label, next(iter(sides)) if len(sides) == 1 else "")
 
 

@@ -326,14 +326,16 @@ def _overlaid(
             "next: level = NUMBER, or leave overlay out"
         )
     figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
-    ends = [(panel.label, planes.ends(panel)) for panel in planes.panels]
-    wanted = [level for one in own for level in one.levels]
+    if not own:
+        raise UsageError("maps are overlaid as lines, and no `level` says which")
+    named = [panel.label for panel in planes.panels]
     for axis, which in zip(planes.axes, "xy", strict=True):
         points.dress_axis(ax, axis, which)
     # an axis without points of its own would be as large as the lines alone
     ax.set(**{f"{w}lim": (at.min(), at.max()) for w, at in zip("xy", planes.places, strict=True)})
     points.scale(ax, settings)
-    levels.overlay(ax, planes.array, ends, planes.places, wanted)
+    shown = [*zip(named, own[0].ends, strict=True)]
+    levels.overlay(ax, planes.array, shown, planes.places, own[0].levels)
     points.scale(ax, settings)
     return figure
 
