@@ -169,10 +169,11 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "no_cycle",
         "Newton's method found no periodic motion near what the start leads to, at the case's own "
-        "value of the parameter that is followed: where it comes to rest "
-        "move that value, or the start; else start nearer to it (an unstable one lies on the "
-        "border between two basins; t_max: a few of its periods), or give its multiplicity; with a "
-        "`parameter` the branch of the stable cycle beside it often leads round to it",
+        "value of the parameter that is followed: where it comes to rest move that value, or the "
+        "start; else start nearer to it, or give its multiplicity. One that repels, on the border "
+        "between two basins, takes both a start beside it and a t_max of a few of its periods, "
+        "before the motion is away; with a `parameter` the branch of the stable cycle beside it "
+        "often leads round to it",
     ),
     Reason(
         "outside_bracket",

@@ -159,7 +159,12 @@ ANALYSIS = Analysis(
             "observe", "state whose value at the section is kept; the first state when left out"
         ),
         Number(
-            "t_max", "time allowed for reaching a first guess", default=100.0, unit="s", above=0.0
+            "t_max",
+            "time allowed for reaching a first guess; a few periods of one that repels, beside "
+            "which it starts",
+            default=100.0,
+            unit="s",
+            above=0.0,
         ),
         Number(
             "transient", "time before a first guess is looked for", default=0.0, unit="s", least=0.0
