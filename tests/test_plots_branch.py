@@ -133,6 +133,21 @@ def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None
     rows = np.cumsum(branches["branch_row_size"].values.ravel()) - 1
     ends = np.stack([branches[f"branch_{end}"].values[rows] for end in ("min", "max")])
     assert heights == ends.mean(axis=0).tolist()
+    ax.clear()  # nor where the section is that its last cycle passes at its greatest
+    greatest = branches["branch_max"].values
+    passed = xr.DataArray(greatest, dims="branch_section_obs")
+    counts = branches["branch_multiplicity"] * 0 + 1
+    sizes = branches["branch_row_size"].rename("branch_section_row_size")
+    at_greatest = branches.drop_vars(["branch_section", "branch_section_row_size"]).drop_dims(
+        "branch_section_obs", errors="ignore"
+    )
+    at_greatest["branch_section"] = passed.assign_attrs(branches["branch_section"].attrs)
+    sizes = sizes.assign_attrs(branches["branch_section_row_size"].attrs)
+    at_greatest = at_greatest.assign(branch_multiplicity=counts, branch_section_row_size=sizes)
+    for number in range(2):
+        branch.draw_marks(ax, at_greatest, {"N": number, "initial": 0}, "k", "", at_section=True)
+    marks = [line for line in ax.lines if "at equilibrium" in str(line.get_label())]
+    assert [height for line in marks for height in line.get_ydata()] == heights
 
 
 def test_of_many_cycles_at_one_value_a_change_is_marked_where_the_stability_changes() -> None:

@@ -171,15 +171,17 @@ def draw_marks(
 ) -> None:
     """A mark at each change and end of a branch, at the heights of the nearest of its cycles.
 
-    Where that shrinks to an equilibrium these are one.
+    Where that shrinks to an equilibrium these are one: the middle of its extremes, from which the
+    section of so small a cycle is still seen to differ.
     """
     value, heights = _heights(dataset, index, at_section)
+    _, extremes = _heights(dataset, index, at_section=False)
     for place, at, error, kind in _marks(dataset, index, value):
         mark, told = MARKS.get(kind, UNMET), points.unlisted(whose, _words(kind))
         mark = LEFTWARDS if kind == "bracket" and at < value.mean() else mark
         wide = LARGER.get(mark, 1.0) * look["ms"]
         here = heights[:, place]
-        here = np.nanmean(here, keepdims=True) if kind == "equilibrium" else here
+        here = extremes[:, place].mean(keepdims=True) if kind == "equilibrium" else here
         for height in here:
             ax.plot(at, height, mark, color=colour, zorder=4.5, label=told, **{**look, "ms": wide})
         if error > 0.0:
