@@ -288,6 +288,10 @@ def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
         (ax,) = draw([("", found), ("", cycles)], spec).axes
         words = [str(text.get_text()) for text in ax.get_legend().get_texts()]
         assert {"stable cycle", "unstable cycle", "neutral cycle"} <= {*words}
+        rests = [line for line in ax.lines if "unstable equilibrium" in str(line.get_label())]
+        assert bool(rests) == (name == "x_amplitude")
+        at = np.concatenate([line.get_xydata() for line in rests] or [np.zeros((0, 2))])
+        assert at[np.isfinite(at[:, 1])].tolist() == ([[5.0, 0.0], [6.0, 0.0]] if rests else [])
         drawn = [line.get_xydata() for line in ax.lines if "stable cycle" in str(line.get_label())]
         (own,) = (line[np.isclose(line[:, 0], 5.0)] for line in drawn if 5.0 in line[:, 0])
         steady = found["response"][name].sel(mu_k=5.0).squeeze()

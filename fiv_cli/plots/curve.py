@@ -40,6 +40,7 @@ VARIABLE, DATASET = "variable", "dataset"  # what tells lines apart beside dims
 CLASS_SHIFT = 0.06
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 ACROSS = 0.8  # of the width of a figure: what a panel has
+AMPLITUDE = "_amplitude"  # how the names of such variables end
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
 TO_SEE_DASHES = 4  # times the room between marks without it
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
@@ -249,6 +250,27 @@ def _lines(
                 or _without_axis(part, name, _first(parts[name]).dataset, axis)
             )
             yield from ((place, curve) for curve in curves)
+            if rest and number in parts[name] and name.endswith(AMPLITUDE):
+                yield from ((place, curve) for curve in _unstable_rests(part, axis))
+
+
+def _unstable_rests(layer: points.Layer, axis: xr.DataArray) -> Iterator[_Curve]:
+    """The equilibria of a case that no motion comes to, whose amplitude is none: what eigenvalues
+    tell of them, along an axis."""
+    told = (one for one in layer.beside if {"stable", "growth_rate"} <= {*one})
+    judged = next((one for one in told if select.has_axis(one, str(axis.name))), None)
+    if judged is None:
+        return
+    own = select.axis_of(judged, str(axis.name))
+    x, dim = points.positions(own), str(own.dims[0])
+    unstable = is_class(judged["stable"], ("unstable",))
+    for line in points.lines(judged, [dim], points.grid_dims(judged)):
+        y = np.where(unstable.isel(line.index).values, 0.0, np.nan)
+        if np.isfinite(y).any():
+            what = x, y, np.zeros(x.size, bool), (y, y), np.zeros(x.size)
+            look: dict[str, Any] = {"dash": branch.DASHES["unstable"], "mark": {"marker": "None"}}
+            words = {DATASET: layer.label, **line.words}
+            yield _Curve(words, *what, **look, sort="unstable equilibrium")
 
 
 def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
