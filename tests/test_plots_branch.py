@@ -298,7 +298,8 @@ def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
         assert own[0, 1] == pytest.approx(float(steady), rel=1e-6)
         orders: dict[bool, set[float]] = {True: set(), False: set()}
         for line in told_lines(ax):
-            orders[" cycle" in str(line.get_label())].add(line.get_zorder())
+            told = any(one in str(line.get_label()) for one in (" cycle", " equilibrium"))
+            orders[told].add(line.get_zorder())
         assert max(orders[True]) < min(orders[False])  # which start leads there is seen
 
 
