@@ -455,9 +455,9 @@ def test_a_line_is_seen_beneath_one_that_runs_upon_it_for_a_while():
         assert np.isfinite(y).tolist() == (dataset["Omega"].values >= x[20]).tolist()
 
 
-@pytest.mark.parametrize("starts", ["ab", "abc"])
-def test_of_lines_along_the_axis_that_beneath_the_last_is_seen(starts):
-    """Those beneath more would be bars there. What the dashes tell is the variable."""
+@pytest.mark.parametrize("starts", ["ab", "abc", "abcd"])
+def test_of_lines_along_the_axis_two_beneath_the_last_are_seen(starts):
+    """One beneath more would be a bar there. What the dashes tell is the variable."""
     values = np.zeros((46, len(starts)))
     values[20:] = np.arange(1.0, 1.0 + len(starts))
     axes = data.axes(Omega=np.linspace(0.5, 5.0, 46), initial=[*starts])
@@ -466,9 +466,11 @@ def test_of_lines_along_the_axis_that_beneath_the_last_is_seen(starts):
             for n, name in ((0.0, "x_rms"), (9.0, "y_rms"))}  # fmt: skip
     dataset = data.response(classes, values + 1.0, axes).assign(both)
     ax = draw(dataset, figure("curve", variable=["L_s", *both])).axes[1]
-    twice = 2.0 * style.SETTINGS["lines.linewidth"]
-    along = [one for one in ax.lines if one.get_linewidth() == twice and 0.0 in one.get_ydata()]
-    assert [int(np.isfinite(one.get_ydata()).sum()) for one in along] == [20]
+    along = [one for one in ax.lines if 0.0 in one.get_ydata()]
+    for times in (2.0, 3.0):
+        width = times * style.SETTINGS["lines.linewidth"]
+        wide = [one.get_ydata() for one in along if one.get_linewidth() == width]
+        assert [int(np.isfinite(y).sum()) for y in wide] == [20] * (times <= len(starts))
 
 
 @pytest.mark.parametrize(("alone", "marks"), [([], ["None", "None"]), ([20], [".", "x"])])

@@ -268,7 +268,7 @@ def _unstable_rests(layer: points.Layer, axis: xr.DataArray) -> Iterator[_Curve]
         y = np.where(unstable.isel(line.index).values, 0.0, np.nan)
         if np.isfinite(y).any():
             what = x, y, np.zeros(x.size, bool), (y, y), np.zeros(x.size)
-            look: dict[str, Any] = {"dash": branch.DASHES["unstable"], "mark": {"marker": "None"}}
+            look: dict[str, Any] = {"dash": ":", "mark": {"marker": "None"}}  # not as cycles
             words = {DATASET: layer.label, **line.words}
             yield _Curve(words, *what, **look, sort="unstable equilibrium")
 
@@ -507,7 +507,8 @@ def _panel(
     lies_below, framed = any(not curve.sort for curve, _ in lines), False
     for place, (curve, entry) in enumerate(lines):
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
-        upon[(curve.y == 0.0) & (upon > 1)] = 0  # along the axis wider lines would be bars
+        most_seen = branch.MOST_BENEATH
+        upon[(curve.y == 0.0) & (upon > most_seen)] = 0  # along the axis more would be a bar
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
