@@ -150,6 +150,15 @@ def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None
     assert [height for line in marks for height in line.get_ydata()] == heights
 
 
+@pytest.mark.parametrize(("height", "seen"), [(0.002, "unstable"), (0.1, "neutral")])
+def test_neutral_cycles_that_are_too_few_to_be_seen_are_not_named(height: float, seen: str) -> None:
+    """Beside a Hopf point the multiplier is 1 to its digits: a key of the legend without a line."""
+    heights = np.array([0.0, 0.5 * height, height, 0.3, 1.0])
+    cycles = np.stack([heights**2, -heights, heights])
+    words = branch._seen(np.array(["neutral"] * 3 + ["unstable"] * 2), cycles)
+    assert words.tolist() == [seen] * 3 + ["unstable"] * 2
+
+
 def test_of_many_cycles_at_one_value_a_change_is_marked_where_the_stability_changes() -> None:
     value, beside = np.array([1.0, 1.0, 1.0 + 1e-9, 1.1]), np.array([False, False, True, True])
     assert _nearest(value, 1.0, 1e-6, beside) == 2

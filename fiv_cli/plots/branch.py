@@ -52,7 +52,7 @@ MOST_COMPARED = 300  # cycles of a branch
 MOST_BENEATH = 2  # lines that are seen beneath another
 SMOOTH = ("fold", "flip", "torus", "branching")  # at which a multiplier passes the unit circle
 LEFTWARDS = "<"
-UNSEEN = 1e-4  # share of a branch, along and across, below which a piece of it is no line
+UNSEEN = 5e-3  # share of a branch, along and across, below which a piece of it is no line
 UNMET = "|"  # what the model asks of its parameters no longer holds
 
 
