@@ -415,7 +415,7 @@ def is_retried(name: str) -> bool:
 ADVICE_OF = {
     ("no_crossing", "boundary"): "the answer to `of` is the same wherever it was looked at in the "
     "bracket (scan_class says which class holds): widen the bracket, look at more points (scan), "
-    "or ask for another class (of)",
+    "ask for another class (of), or start elsewhere, in the basin of another motion",
     ("time_budget", "response"): "the motion had not settled by half of t_max, from where on it is "
     f"measured: {LONGER}; another section decides some",
     **{

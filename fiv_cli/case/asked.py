@@ -223,9 +223,11 @@ def _check_line(
     if _classes(variable):
         numbers = [v.name for v in known.values() if v and v.headline and not _classes(v)]
         message = f"{name!r} holds classes, which have no level"
-        report.add(
-            place, message, f"level = {{ VARIABLE = NUMBER }} of a number: {listed(numbers)}"
+        allowed = (
+            f"level = {{ VARIABLE = NUMBER }} of a number: {listed(numbers)}; for the border of a "
+            'class, { "CASE:boundary" = "AXIS" } of a case that finds it, by an analysis `boundary`'
         )
+        report.add(place, message, allowed)
     elif variable is not None and variable.ragged:
         report.add(place, f"{name!r} has any number of values at a point, and no level there")
     for dim in variable.dims if variable else ():
