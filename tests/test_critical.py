@@ -111,14 +111,15 @@ def test_damping_that_stabilises_is_found_as_well() -> None:
     assert found.values["crossing_direction"][0] == "to_stable"
 
 
-@pytest.mark.parametrize("low", [-1.7, -1e-3, -1e-4, 0.0, 1e-4])
-@pytest.mark.parametrize("high", [1.5, 1.7, 1.9])
+@pytest.mark.parametrize("low", [-1.7, -1e-3, -1e-4, -(2.0**-30), 0.0, 1e-4])
+@pytest.mark.parametrize("high", [1.5, 1.7, 2.0 - 2.0**-30])
 def test_what_lies_beside_a_belt_at_standstill_is_found_in_any_bracket(
     low: float, high: float
 ) -> None:
     """Stable for belts slower than 0.7 mm/s, whichever way; at 0 there is no sliding at all.
 
-    A thousandth of a bracket: two roots and two ends between its first two samples.
+    A thousandth of a bracket: two roots and two ends between its first two samples. Where the two
+    powers of 2 end it, its halves meet 0 itself.
     """
     law = {"mu_s": 0.4, "mu_k": 0.23, "v_s": 0.5, "delta": 2.0}
     found = critical("belt-1dof", "v", (low, high), law="stribeck", c=0.01, N=10.0, **law)

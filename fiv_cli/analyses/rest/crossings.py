@@ -434,10 +434,11 @@ class _Scan:
         low, high = yield from self.bisected(
             left, right, lambda one: one.exists and one.signs == left.signs
         )
-        still = Sample((low.at + high.at) / 2.0, NOWHERE)
+        still = Sample((low.at + high.at) / 2.0, NOWHERE) if high.exists else high
+        gained = [_end(still, high)] if high.exists else []  # else it is what comes after
         before = yield from self.singularity(left, low)
         after = yield from self.singularity(high, right)
-        return [*before, _end(low, still), _end(still, high), *after]
+        return [*before, _end(low, still), *gained, *after]
 
     def bisected(
         self, left: Sample, right: Sample, is_left: Callable[[Sample], bool]
