@@ -473,9 +473,12 @@ def test_of_lines_along_the_axis_two_beneath_the_last_are_seen(starts):
         assert [int(np.isfinite(y).sum()) for y in wide] == [20] * (times <= len(starts))
 
 
-@pytest.mark.parametrize(("alone", "marks"), [([], ["None", "None"]), ([20], [".", "x"])])
+@pytest.mark.parametrize(
+    ("alone", "marks"), [([], ["None", "None"]), ([20], [".", "x"]), ([20, 21], [".", "x"])]
+)
 def test_points_that_stand_alone_tell_by_marks_what_dashes_do(alone, marks):
-    """Their colour is the preload's: two dots of one were those of two variables."""
+    """Their colour is the preload's: two dots of one were those of two variables. So they do where
+    two points are a line too short for its dashes."""
     values = np.linspace(1.0, 2.0, 46)[:, None] + np.array([0.0, 3.0, 6.0])
     classes = np.full(values.shape, "periodic", object)
     classes[alone] = "equilibrium"
@@ -489,6 +492,8 @@ def test_points_that_stand_alone_tell_by_marks_what_dashes_do(alone, marks):
     seen = [line for line in drawn.axes[0].lines if len(line.get_xdata()) > 40]
     told = {(line.get_linestyle(), line.get_marker()) for line in seen if alone}
     assert told == {*zip(("-", "--"), marks, strict=True)} if alone else len(seen) == 6
+    marked = {tuple(np.asarray(line.get_xdata())[line.get_markevery()]) for line in seen if alone}
+    assert marked == {tuple(dataset["Omega"].values[alone])} if alone else not marked
 
 
 def test_dashes_tell_no_starts_whose_lines_are_one_for_a_while():

@@ -530,10 +530,14 @@ def ended(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {word: mask for word, mask in kinds.items() if bool(mask.any())}
 
 
-def alone(known: np.ndarray) -> np.ndarray:
-    """Which points of a line are known, and neither of their neighbours: no line leads there."""
-    beside = np.pad(known, 1)
-    return np.asarray(known & ~beside[:-2] & ~beside[2:])
+def alone(known: np.ndarray, most: int = 1) -> np.ndarray:
+    """Which points of a line are known, and neither of their neighbours: no line leads there.
+
+    Or, of `most` that are neighbours, a line too short for its dashes.
+    """
+    piece = np.cumsum(~known)
+    sizes = np.bincount(piece[known], minlength=piece.max(initial=0) + 1)
+    return np.asarray(known & (sizes[piece] <= most))
 
 
 def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
