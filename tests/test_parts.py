@@ -121,8 +121,8 @@ def test_what_was_run_tells_what_the_rest_will_cost(tmp_path: Path) -> None:
     journal = Journal(tmp_path / "a.run", make_plan(sweep_fakes.case(sweep_fakes.BELT)))
     journal.load()
     costs = journal.costs(0)
-    assert (costs[:6] == 0.0).all()
-    assert (costs[6:] > 0.05).all()
+    assert np.count_nonzero(costs == 0.0) == 6  # those that were run
+    assert np.count_nonzero(costs > 0.05) == costs.size - 6
 
 
 def test_a_part_of_another_case_is_refused(tmp_path: Path) -> None:
