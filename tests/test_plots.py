@@ -2839,6 +2839,20 @@ def test_levels_on_steep_lines_are_all_written_upwards():
         assert len(turned) >= 3 and all(60.0 < angle <= 90.0 for angle in turned)
 
 
+@pytest.mark.parametrize("panels", [[True, True], [True, False], [False, False]])
+def test_a_level_that_one_panel_has_no_room_for_is_told(monkeypatch, panels):
+    """Though it is written in another."""
+    dataset = with_growth()["response"]
+    both = dataset.expand_dims({"c": [0.1, 0.2]}).transpose("Omega", "N0", "c", "initial")
+    written = iter(panels)
+    monkeypatch.setattr(levels, "draw", lambda *_, **__: (3.0, 5.0) if next(written) else (5.0,))
+    both["L_s"] = both["L_s"] * 0.0 + both["Omega"]
+    asked = figure("map", variable="L_s", x="Omega", y="N0", level=[3.0, 5.0])
+    notes = style.notes_on(draw(both, asked))
+    told = [note for note in notes if "L_s = 3: told in the legend alone" in note]
+    assert len(told) == (not all(panels))
+
+
 def test_a_level_is_written_over_no_undecided_point_where_there_is_room():
     dataset = with_growth()["response"]
     x, y = (dataset[name].values for name in ("Omega", "N0"))

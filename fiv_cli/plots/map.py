@@ -90,14 +90,14 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         points.scale(ax, settings)
     if lines:  # levels are written along lines as they look
         figure.draw_without_rendering()
-    written: set[float] = set()
+    unwritten: dict[str, None] = {}
     for ax, panel in zip(axes, planes.panels, strict=False):
         for one, colour in sorted(zip(lines, colours, strict=True), key=_is_written_on):
-            written |= {*one.draw(ax, panel, colour)}
+            written = one.draw(ax, panel, colour)
+            if isinstance(one, _Lines) and one.of_the_map:
+                unwritten |= dict.fromkeys(one.unwritten(panel, written))
         points.scale(ax, settings)
-    own = (one for one in lines if isinstance(one, _Lines) and one.of_the_map)
     elsewhere = (word for one in lines for word in one.held_otherwise)
-    unwritten = (word for one in own for word in one.unwritten(written))
     style.add_notes(figure, [*missed, *elsewhere, *unwritten])
     return figure
 
@@ -202,9 +202,9 @@ class _Lines:
         """Entries of a legend."""
         return levels.keys(self.planes.array, self.levels, colour, self.ends, self.styles)
 
-    def unwritten(self, written: Collection[float]) -> Iterator[str]:
-        """What to do about levels that are not written on their lines."""
-        return levels.unwritten(self.planes.array, self.ends, self.levels, written)
+    def unwritten(self, panel: points.Line, written: Collection[float]) -> Iterator[str]:
+        """What to do about levels that are not written on their lines in a panel."""
+        return levels.unwritten(self.planes.array, [self._ends(panel)], self.levels, written)
 
     def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> Collection[float]:
         """Draw those of one panel; the levels that are written on their lines."""
