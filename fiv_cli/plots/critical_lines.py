@@ -82,19 +82,10 @@ class CriticalLines:
         corners = np.column_stack(ends)
         return [piece for piece in self._lines(panel) if _is_inside(piece, corners)]
 
-    @property
-    def held_otherwise(self) -> list[str]:
-        """What its case holds fixed at another value than the map."""
-        return [*levels.held_otherwise(self.name, self._on_the_map(self._along), self.mapped)]
-
-    @property
-    def _along(self) -> xr.DataArray:
-        """The axis of the map along which it has its values."""
-        return self.axes[1 if self.upright == self.axes[0].name else 0]
-
     def _lines(self, panel: points.Line) -> list[Piece]:
         """Crossings of neighbours joined, as far as they belong together."""
-        turned, along = self.upright == self.axes[0].name, self._along
+        turned = self.upright == self.axes[0].name
+        along = self.axes[1 if turned else 0]
         dataset = self._on_the_map(along)
         array, x = self._of_the_border(dataset), points.positions(dataset[along.name])
         own = {dim: at for dim, at in panel.index.items() if dim in array.dims}

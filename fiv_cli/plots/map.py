@@ -97,8 +97,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             if isinstance(one, _Lines) and one.of_the_map:
                 unwritten |= dict.fromkeys(one.unwritten(panel, written))
         points.scale(ax, settings)
-    elsewhere = (word for one in lines for word in one.held_otherwise)
-    style.add_notes(figure, [*missed, *elsewhere, *unwritten])
+    style.add_notes(figure, [*missed, *_held_otherwise(layers[0], planes, settings), *unwritten])
     return figure
 
 
@@ -175,7 +174,6 @@ class _Lines:
     levels: Sequence[float]
     styles: Sequence[Any]
     of_the_map: bool
-    held_otherwise: Sequence[str] = ()
 
     @property
     def ends(self) -> list[Panel]:
@@ -233,9 +231,17 @@ def _lines(
             shown = alone if plain.count(alone) == 1 else name
             over = planes if is_own else _beside(layer, planes, name, shown)
             levels.refuse_class(over.array)
-            otherwise = [*levels.held_otherwise(name, over.dataset, planes.dataset)]
-            found.append(_Lines(over, own, _dashes(own, styles[is_own]), is_own, otherwise))
+            found.append(_Lines(over, own, _dashes(own, styles[is_own]), is_own))
     return found
+
+
+def _held_otherwise(
+    layer: points.Layer, planes: _Planes, settings: points.Settings
+) -> Iterator[str]:
+    """What lines of other cases hold fixed at another value than the map."""
+    for name in levels.asked(str(planes.array.name), settings.get("level", [])):
+        if ":" in name:
+            yield from levels.held_otherwise(name, _holding(layer, name), planes.dataset)
 
 
 def _dashes(wanted: Sequence[float], styles: Iterator[Any]) -> list[Any]:
