@@ -40,7 +40,7 @@ VARIABLE, DATASET = "variable", "dataset"  # what tells lines apart beside dims
 CLASS_SHIFT = 0.06
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 ACROSS = 0.8  # of the width of a figure: what a panel has
-FEWEST_DASHED = 3  # points of a piece that shows what its dashes are
+TOO_SHORT = 2  # points, at most, of a piece that does not show what its dashes are
 AMPLITUDE = "_amplitude"  # how the names of such variables end
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
 TO_SEE_DASHES = 4  # times the room between marks without it
@@ -399,7 +399,7 @@ def _marked_apart(drawn: Sequence[tuple[int, _Curve]], dashed: str) -> list[tupl
     keys = (dict(zip(("marker", "ms"), mark, strict=True)) for mark in SORT_MARKS[1:])
     marks = dict(zip(filter(None, words), (DOT, *keys), strict=False))
     own = ((place, one, marks.get(one.words.get(dashed, ""), DOT)) for place, one in drawn)
-    return [(place, replace(one, mark=mark, fewest=FEWEST_DASHED)) for place, one, mark in own]
+    return [(place, replace(one, mark=mark, short=TOO_SHORT)) for place, one, mark in own]
 
 
 def _coincide(drawn: Sequence[tuple[int, _Curve]]) -> bool:
@@ -622,7 +622,7 @@ def _plot(
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
     way = np.insert(curve.way + shift if curve.way.size else known, curve.jumps, np.nan)
     if not apart:
-        seen = _marked_where_seen(ax, way, most, curve.fewest)
+        seen = _marked_where_seen(ax, way, most, curve.short)
         look |= seen if curve.is_marked else {"marker": "None"}
     if upon.any() and not apart:
         wide = _width(1 + min(upon.max(), branch.MOST_BENEATH))
@@ -668,16 +668,16 @@ def _plot_errors(
     return bool(wide.size)
 
 
-def _marked_where_seen(ax: Axes, heights: np.ndarray, most: int, fewest: int = 2) -> dict[str, Any]:
+def _marked_where_seen(ax: Axes, heights: np.ndarray, most: int, short: int = 1) -> dict[str, Any]:
     """Marks at all points; where these would hide a line, at those alone that no line meets, or one
-    of less than the `fewest` points.
+    of no more than `short` points.
 
     `most` are the points of the longest of the lines that look alike.
     """
     known, room = np.isfinite(heights), ACROSS * ax.figure.figure.get_figwidth() * style.POINTS
     if max(most, np.count_nonzero(known)) * DOT["ms"] < room:
         return {}
-    alone = np.flatnonzero(points.alone(known, fewest - 1)).tolist()
+    alone = np.flatnonzero(points.alone(known, short)).tolist()
     return {"markevery": alone} if alone else {"marker": "None"}
 
 
@@ -736,8 +736,8 @@ class _Curve:
     infinite where that is not known. `jumps` are the places at which another class begins. `sort`
     is what `dash` and `mark` mean, where colours mean another thing. A line `of_crossings` has no
     gaps. No error reaches beyond the `limits`, such as 0 and 1 of a share. `names` are the labels
-    of all for which it stands. Of a part of a line the `way` leads to its points, too. A piece of
-    less than the `fewest` points has marks by all means.
+    of all for which it stands. Of a part of a line the `way` leads to its points, too. Pieces of
+    no more than `short` points have marks by all means.
     """
 
     words: Mapping[str, str]
@@ -754,7 +754,7 @@ class _Curve:
     limits: tuple[float, float] = (-np.inf, np.inf)
     names: tuple[str, ...] = ()
     way: np.ndarray = field(default_factory=lambda: np.zeros(0))
-    fewest: int = 2
+    short: int = 1
 
     @property
     def is_branch(self) -> bool:
@@ -821,7 +821,7 @@ class _Curve:
         """Whether to some of its points no line leads, or one too short for its dashes."""
         sure = np.where(self.known & ~self.open & ~self.is_wide, 1.0, np.nan)
         known = np.isfinite(np.insert(sure, self.jumps, np.nan))
-        return bool(points.alone(known, FEWEST_DASHED - 1).any())
+        return bool(points.alone(known, TOO_SHORT).any())
 
     @property
     def is_known(self) -> bool:

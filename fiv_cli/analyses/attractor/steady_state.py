@@ -466,9 +466,9 @@ class _Response:
         """
         frame, m = self.motion.frame, len(self.system.coordinates)
         moving, accelerations, inner = np.split(self.motion.rates(), [m, 2 * m])
-        all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
         if moving.any() or inner.any():
             return False
+        all_stick = np.all((frame.kinds == STICK) | (frame.sliding_kinds == SEPARATION))
         return self._is_held() or bool(all_stick and not accelerations.any())
 
     @property

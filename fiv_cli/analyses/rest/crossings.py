@@ -43,7 +43,7 @@ Complex = NDArray[np.complex128]
 
 PIECES = 32  # into which a bracket is divided at least
 NARROWEST = 2.0**-20  # share of the bracket at which a piece is not divided any more
-NARROW = 2.0**10  # of it one is wide, in which a law goes on by another of its pieces
+NARROW = 2.0**10  # times that: a piece as wide is divided where a law goes on by another of its
 MOST_SAMPLES = 20_000
 BENT = 0.25  # largest departure from a straight line, over the change of a real part with a root
 MARGIN = 2.0  # by which departures from a straight line must be smaller than what they could hide
@@ -66,13 +66,13 @@ class Sample:
     at : value of the parameter
     modes : in rad/s; none where there is no equilibrium
     signs : of the slip of each contact; 0 where it may stand still
-    piece : all else that tells on which of several smooth pieces the equations are
+    piece : the system, of several averaged ones, and the numbers of the pieces of laws
     """
 
     at: float
     modes: Modes
     signs: tuple[float, ...] = ()
-    piece: tuple[float, ...] = ()
+    piece: tuple[object, ...] = ()
 
     @property
     def values(self) -> Complex:
@@ -288,7 +288,7 @@ def _samples(
             modes = modes_of(own, vectors.swapaxes(1, 2))
             for place, row in enumerate(rows[exist].tolist()):
                 at = exist[place]
-                piece = (id(sliding.system), *pieces[at])  # an averaged one changes, too
+                piece = (id(sliding.system), *pieces[at])
                 samples[row] = Sample(values[row], modes[place], tuple(signs[at]), piece)
     return samples
 
@@ -345,8 +345,9 @@ class _Scan:
         middle = yield from middle.after(left)
         ordered = yield from right.after(middle)
         try:
-            is_rough = left.piece != right.piece and right.at - left.at > NARROW * self.narrowest
-            if _is_resolved(left, middle, ordered) and not is_rough:
+            is_wide = right.at - left.at > NARROW * self.narrowest
+            one_piece = left.piece == middle.piece == right.piece
+            if _is_resolved(left, middle, ordered) and (one_piece or not is_wide):
                 self.found += yield from self.roots(left, ordered)
                 return ordered
             if right.at - left.at <= self.narrowest and not _differs(middle, left, right):

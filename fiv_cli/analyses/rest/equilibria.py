@@ -187,7 +187,7 @@ def sliding_at(system: System, points: Sequence[Mapping[str, float]]) -> Sliding
     velocities = state.contact_forces(at_rest)[..., 2]
     moving = ((velocities != 0.0) | _may_stand_still(system)).all(axis=-1)
     if system.pieces.laws or (velocities < 0.0).any():
-        first = vectors.shape[-1] - 1 - system.n_contacts
+        first = state._first_sign
         vectors[:, first:-1] = np.where(velocities < 0.0, -1.0, 1.0)
         slips = velocities.tolist()
         rows = [_rows(system, *point) for point in zip(slips, points, strict=True)]
