@@ -251,7 +251,7 @@ def _lines(
                 or _without_axis(part, name, _first(parts[name]).dataset, axis)
             )
             yield from ((place, curve) for curve in curves)
-            if rest and number in parts[name] and name.endswith(AMPLITUDE):
+            if rest and name.endswith(AMPLITUDE):
                 yield from ((place, curve) for curve in _unstable_rests(part, axis))
 
 
@@ -459,12 +459,10 @@ def _name_looks(
     colours = {points.stem(one.without(dashed)): entry.colour for one, entry in pairs}
     for word, colour in colours.items():
         ax.plot([], [], color=colour, label=word, **style.COLOUR_ALONE)
-    looks = {
-        one.words[dashed]: (one.mark, entry.dash) for one, entry in pairs if one.words.get(dashed)
-    }
-    apart = len({str(mark) for mark, _ in looks.values()}) > 1
-    for word, (mark, dash) in looks.items():
-        ax.plot([], [], ls=dash, color=style.BLACK, label=word, **(mark if apart else {}))
+    looks = {one.words[dashed]: (one, entry.dash) for one, entry in pairs if one.words.get(dashed)}
+    for word, (one, dash) in looks.items():
+        mark = one.mark if one.short == TOO_SHORT else {}  # it tells what the dash does
+        ax.plot([], [], ls=dash, color=style.BLACK, label=word, **mark)
 
 
 def _panels(variables: Mapping[str, xr.DataArray]) -> list[dict[str, xr.DataArray]]:

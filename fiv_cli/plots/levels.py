@@ -248,23 +248,20 @@ def _dash_short_pieces(ax: Axes, lines: QuadContourSet) -> None:
     if not pattern:
         return
     period = sum(pattern) * ax.figure.figure.dpi / style.POINTS
-    pieces = sorted(_pieces(lines), key=lambda piece: _periods(ax, piece, period))
-    shares = [min(_periods(ax, one, period) / LEAST_PERIODS, 1.0) for one in pieces]
-    short = sum(share < 1.0 for share in shares)
-    whole = [Path.make_compound_path(*map(Path, pieces[short:]))] if pieces[short:] else []
+    measured = [(_length(ax, one) / (LEAST_PERIODS * period), Path(one)) for one in _pieces(lines)]
+    short = [(share, piece) for share, piece in measured if share < 1.0]
+    whole = [piece for share, piece in measured if share >= 1.0]
     if short:
-        finer: Any = [
-            (start, [share * dash / width for dash in pattern])
-            for share in [*[1.0] * len(whole), *shares[:short]]
-        ]
-        lines.set_paths([*whole, *map(Path, pieces[:short])])
+        paths = [*([(1.0, Path.make_compound_path(*whole))] if whole else []), *short]
+        finer: Any = [(start, [share * dash / width for dash in pattern]) for share, _ in paths]
+        lines.set_paths([path for _, path in paths])
         lines.set_linestyle(finer)
 
 
-def _periods(ax: Axes, piece: np.ndarray, period: float) -> float:
-    """Length of a piece, in periods of its dashes (pixels)."""
+def _length(ax: Axes, piece: np.ndarray) -> float:
+    """Length of a piece of a line, pixels."""
     steps = np.diff(ax.transData.transform(piece), axis=0)
-    return float(np.linalg.norm(steps, axis=1).sum()) / period
+    return float(np.linalg.norm(steps, axis=1).sum())
 
 
 def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
