@@ -2963,8 +2963,39 @@ def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
     assert style.notes_on(draw(dataset, asked)) == []
     dataset["L_s"] = dataset["L_s"].copy(data=values.transpose(1, 0, 2))
     close = figure("map", variable="L_s", level=[0.5 + 0.001 * n for n in range(8)])
-    (note,) = style.notes_on(draw(dataset, close, look=look_of("paper", width=50.0)))
-    assert note.startswith("L_s = 0.5") and "told in the legend alone" in note
+    notes = style.notes_on(draw(dataset, close, look=look_of("paper", width=50.0)))
+    assert all(note.startswith("L_s = 0.5") for note in notes)
+    assert ["told in the legend alone" in note for note in notes] == [True, False]
+
+
+@pytest.mark.parametrize("overlay", [False, True])
+def test_levels_between_the_same_points_of_the_grid_are_told(overlay):
+    """Where a value leaps their lines are as exact as the grid, and no more; elsewhere they are."""
+    dataset = data.stability_map(initial=("reached",), nx=20, ny=20)
+    asked = figure("map", variable="L_s", level=[0.1, 0.3, 0.6], overlay=overlay)
+    along = np.linspace(0.0, 1.0, 20)
+    for column, told in [(along, []), (np.where(along < 0.5, along**2, 2.0), ["L_s = 0.3, 0.6"])]:
+        dataset["L_s"].values[:] = column[:, None, None]
+        notes = style.notes_on(draw(dataset, asked))
+        assert [note.partition(":")[0] for note in notes] == told
+        assert all("between the same points of the grid" in note for note in notes)
+
+
+def test_gaps_of_a_line_where_points_are_undecided_are_told():
+    """They look like dashes, that is like another level; what ends at a side or beside what no
+    value is expected of has none."""
+    dataset = data.stability_map(initial=("reached",), nx=20, ny=20)
+    dataset["L_s"].values[:] = np.linspace(0.0, 1.0, 20)[:, None, None]
+    dataset["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")
+    asked = figure("map", variable="L_s", level=[0.31, 0.71])
+    assert style.notes_on(draw(dataset, asked)) == []
+    between = int(0.31 * 19)
+    dataset["L_s"].values[between : between + 2, 7:9] = np.nan
+    assert style.notes_on(draw(dataset, asked)) == []
+    undecided = data.codes(data.ATTRACTORS, "undecided")
+    dataset["attractor"].values[between : between + 2, 7:9] = undecided
+    (note,) = style.notes_on(draw(dataset, asked))
+    assert note.startswith("$L_s$ = 0.31") and "its line has gaps" in note
 
 
 def test_a_level_that_no_line_has_is_told_also_where_a_figure_has_no_title(stored):

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import chain
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -21,12 +21,11 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
-from numpy.lib.stride_tricks import sliding_window_view
 
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
-from fiv_cli.notation.names import listed
-from fiv_cli.plots import labels, points, style
+from fiv_cli.plots import labels, level_notes, points, style
+from fiv_cli.plots.level_notes import Panel
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import ends_of, flag_names
 
@@ -57,16 +56,7 @@ WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.5}
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 OVER_MARKS = 4.5
 LEAST_PERIODS = 1.6  # of dashes that a piece of a line shows
-NOT_KNOWN = "not known"
-NO_CELLS = np.empty((0, 4))
-IN_A_JUMP = (
-    "it lies in the jump between rest and motion, where of several levels that next to rest alone "
-    "has a line"
-)
-IN_A_ROW = "passed in one row of points alone (a line leads between two)"
 RIM: Any = [withStroke(linewidth=2.3, foreground="white")]  # of lines on any shade
-# Of each level the planes whose line is drawn: one, or one for each end of what its values may be.
-Panel: TypeAlias = Sequence[Sequence[np.ndarray]]
 STYLES: tuple[Any, ...] = (
     *("solid", "dashed", "dotted", (0, (3.2, 1.2, 1.0, 1.2))),  # which short lines show too
     *((0, (8.0, 2.0)), (0, (5.0, 1.5, 1.0, 1.5, 1.0, 1.5)), (0, (2.0, 1.0)), (0, (1.0, 4.0))),
@@ -228,14 +218,14 @@ def draw(
     for level, ends, dashes in zip(levels, planes, styles, strict=False):
         for plane in ends:
             parts = (_off_the_level(part, level) for part in plane)
-            for part in [part for part in parts if not _side(part, level)]:
+            for part in [part for part in parts if not level_notes.side(part, level)]:
                 lines = ax.contour(
                     *places, part, levels=[level], colors=[colour], linestyles=[dashes],
                     linewidths=1.5,
                 )  # fmt: skip
                 lines.set_path_effects(RIM if rim else [])
                 _dash_short_pieces(ax, lines)
-                lines.set_label(points.unlisted(label, _words(array, level, levels)))
+                lines.set_label(points.unlisted(label, level_notes.words(array, level, levels)))
                 drawn.append((lines, level))
     return _name(ax, drawn, levels) if named else ()
 
@@ -495,59 +485,6 @@ def _pieces(lines: QuadContourSet) -> list[np.ndarray]:
     return [piece for own in lines.allsegs for piece in own if len(piece)]
 
 
-def _beside(plane: np.ndarray, level: float) -> str:
-    """On which side of the level a plane lies, or its parts; nothing where a line leads through."""
-    sides = {_side(part, level) for part in plane} - {NOT_KNOWN}
-    return "" if "" in sides else IN_A_JUMP if len(sides) > 1 else "".join(sides) or NOT_KNOWN
-
-
-def _side(part: np.ndarray, level: float) -> str:
-    """On which side of the level it lies as a whole; nothing where the level runs through it."""
-    known = part[np.isfinite(part)]
-    if known.size == 0:
-        return NOT_KNOWN
-    if known.max() <= level:
-        return "below everywhere"
-    if known.min() >= level:
-        return "above everywhere"
-    return "" if _is_passed(part, level) else IN_A_ROW
-
-
-def _is_passed(part: np.ndarray, level: float) -> bool:
-    """Whether a line leads through it: between three points, or four, that are neighbours."""
-    cells = sliding_window_view(part, (2, 2)).reshape(-1, 4) if min(part.shape) > 1 else NO_CELLS
-    cells = cells[np.isfinite(cells).sum(axis=1) > 2]
-    return bool(np.any((np.nanmin(cells, axis=1) <= level) & (level < np.nanmax(cells, axis=1))))
-
-
-def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]) -> Iterator[str]:
-    """Of each level that no plane reaches: why there is no line."""
-    for number, level in enumerate(levels):
-        sides = {_beside(plane, level) for panel in panels for plane in panel[number]}
-        if "" not in sides:
-            yield f"no line {_words(array, level, levels)}: {' or '.join(sorted(sides))}"
-
-
-def unwritten(
-    array: xr.DataArray,
-    panels: Sequence[Panel],
-    levels: Sequence[float],
-    written: Collection[float],
-) -> Iterator[str]:
-    """Which of several levels are written on no line of theirs, and so told by dashes alone."""
-    drawn = {
-        level: labels.number_text(level, levels)
-        for number, level in enumerate(levels)
-        if any(not _beside(plane, level) for panel in panels for plane in panel[number])
-    }
-    left = [text for level, text in drawn.items() if level not in written]
-    if len(drawn) > 1 and left:
-        yield (
-            f"{array.name} = {listed(left)}: told in the legend alone, for want of room on its "
-            "lines; more: --width, --height, fewer panels (select)"
-        )
-
-
 def overlay(
     ax: Axes,
     array: xr.DataArray,
@@ -567,7 +504,7 @@ def overlay(
     panels = [panel for _, panel in planes]
     of_all = keys(array, levels, style.BLACK if len(planes) > 1 else colours[0], panels)
     both = _both([ends for panel in panels for ends in panel])
-    heading = f"{_words(array, levels[0], levels)}{both}" if told and single else ""
+    heading = f"{level_notes.words(array, levels[0], levels)}{both}" if told and single else ""
     style.legend_below(figure, [*told, *([] if told and single else of_all)], heading)
     figure.draw_without_rendering()  # levels are written along lines as they look
     written: set[float] = set()
@@ -576,7 +513,11 @@ def overlay(
         look["styles"] = [dash] if single else STYLES
         written |= {*draw(ax, array, places, panel, levels, colour, **look)}
     if not single:
-        notes = missed(array, panels, levels), unwritten(array, panels, levels, written)
+        notes = (
+            level_notes.missed(array, panels, levels),
+            level_notes.unwritten(array, panels, levels, written),
+            level_notes.crowded(array, panels, levels),
+        )
         style.add_notes(figure, [*chain(*notes)])
 
 
@@ -589,9 +530,9 @@ def keys(
 ) -> list[Line2D]:
     """An entry of a legend for each level that is drawn in some panels."""
     drawn = [
-        (f"{_words(array, level, levels)}{_both([panel[number] for panel in panels])}", dash)
+        (level_notes.words(array, level, levels) + _both([panel[number] for panel in panels]), dash)
         for number, (level, dash) in enumerate(zip(levels, styles, strict=False))
-        if any(not _beside(plane, level) for panel in panels for plane in panel[number])
+        if any(not level_notes.beside(plane, level) for panel in panels for plane in panel[number])
     ]
     return [Line2D([], [], color=colour, ls=dash, label=word) for word, dash in drawn]
 
@@ -604,11 +545,5 @@ def _both(planes: Sequence[Sequence[np.ndarray]]) -> str:
 def _entry(label: str, panel: Panel, levels: Sequence[float]) -> str:
     """The label of a plane; of one without a line it says on which side of the levels it lies."""
     pairs = zip(panel, levels, strict=True)
-    sides = {_beside(plane, level) for ends, level in pairs for plane in ends}
+    sides = {level_notes.beside(plane, level) for ends, level in pairs for plane in ends}
     return points.joined(label, next(iter(sides)) if len(sides) == 1 else "")
-
-
-def _words(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:
-    unit = labels.unit_text(str(array.attrs.get("units", "1")))
-    own, value = labels.quantity(array, str(array.name)), labels.number_text(level, levels)
-    return f"{own} = {value} {unit}".rstrip()

@@ -15,9 +15,9 @@ from matplotlib.patches import Patch
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED, ON_THE_WAY
 from fiv_cli.notation.names import pick
-from fiv_cli.plots import labels, levels, points, style
+from fiv_cli.plots import labels, level_notes, levels, points, style
 from fiv_cli.plots.critical_lines import CriticalLines
-from fiv_cli.plots.levels import Panel
+from fiv_cli.plots.level_notes import Panel
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     ends_of,
@@ -97,7 +97,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             if isinstance(one, _Lines) and one.of_the_map:
                 unwritten |= dict.fromkeys(one.unwritten(panel, written))
         points.scale(ax, settings)
-    style.add_notes(figure, [*missed, *_held_otherwise(layers[0], planes, settings), *unwritten])
+    inexact = [word for one in lines if isinstance(one, _Lines) for word in one.inexact]
+    told = *missed, *_held_otherwise(layers[0], planes, settings), *unwritten, *inexact
+    style.add_notes(figure, told)
     return figure
 
 
@@ -194,7 +196,16 @@ class _Lines:
     @property
     def missed(self) -> list[str]:
         """Why there is no line, of each level that has none."""
-        return [*levels.missed(self.planes.array, self.ends, self.levels)]
+        return [*level_notes.missed(self.planes.array, self.ends, self.levels)]
+
+    @property
+    def inexact(self) -> Iterator[str]:
+        """Which lines the grid does not tell apart, and which have gaps."""
+        array, ends = self.planes.array, self.ends
+        yield from level_notes.crowded(array, ends, self.levels)
+        unsure = points.gaps(self.planes.dataset).get("undecided", array.isnull() & False)
+        undecided = [self.planes.of(unsure, panel) for panel in self.planes.panels]
+        yield from level_notes.broken(array, ends, self.levels, undecided)
 
     def keys(self, colour: ColorType) -> list[Line2D]:
         """Entries of a legend."""
@@ -202,7 +213,7 @@ class _Lines:
 
     def unwritten(self, panel: points.Line, written: Collection[float]) -> Iterator[str]:
         """What to do about levels that are not written on their lines in a panel."""
-        return levels.unwritten(self.planes.array, [self._ends(panel)], self.levels, written)
+        return level_notes.unwritten(self.planes.array, [self._ends(panel)], self.levels, written)
 
     def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> Collection[float]:
         """Draw those of one panel; the levels that are written on their lines."""

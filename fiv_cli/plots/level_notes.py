@@ -1,0 +1,149 @@
+"""What is said about lines at levels: where none leads, and what they cannot tell."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from fiv_cli.notation.names import listed
+from fiv_cli.plots import labels
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CROWDED = 0.5  # of the steps of the grid that a line crosses: another level lies in them, too
+NOT_KNOWN = "not known"
+NO_CELLS = np.empty((0, 4))
+IN_A_ROW = "passed in one row of points alone (a line leads between two)"
+IN_A_JUMP = (
+    "it lies in the jump between rest and motion, where of several levels that next to rest alone "
+    "has a line"
+)
+# Of each level the planes whose line is drawn: one, or one for each end of what its values may be.
+Panel: TypeAlias = Sequence[Sequence[np.ndarray]]
+
+
+def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]) -> Iterator[str]:
+    """Of each level that no plane reaches: why there is no line."""
+    for number, level in enumerate(levels):
+        sides = {beside(plane, level) for panel in panels for plane in panel[number]}
+        if "" not in sides:
+            yield f"no line {words(array, level, levels)}: {' or '.join(sorted(sides))}"
+
+
+def unwritten(
+    array: xr.DataArray,
+    panels: Sequence[Panel],
+    levels: Sequence[float],
+    written: Collection[float],
+) -> Iterator[str]:
+    """Which of several levels are written on no line of theirs, and so told by dashes alone."""
+    drawn = {
+        level: labels.number_text(level, levels)
+        for number, level in enumerate(levels)
+        if any(not beside(plane, level) for panel in panels for plane in panel[number])
+    }
+    left = [text for level, text in drawn.items() if level not in written]
+    if len(drawn) > 1 and left:
+        yield (
+            f"{array.name} = {listed(left)}: told in the legend alone, for want of room on its "
+            "lines; more: --width, --height, fewer panels (select)"
+        )
+
+
+def crowded(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]) -> Iterator[str]:
+    """Which neighbouring levels pass between the same points: where, their grid cannot tell."""
+    crossed = [
+        np.concatenate([_crossed(plane, level) for panel in panels for plane in panel[number]])
+        for number, level in enumerate(levels)
+    ]
+    of_a_bundle = {
+        number + one
+        for number, (low, high) in enumerate(pairwise(crossed))
+        if (low & high).sum() > CROWDED * max(low.sum(), high.sum())
+        for one in (0, 1)
+    }
+    if of_a_bundle:
+        told = [labels.number_text(levels[number], levels) for number in sorted(of_a_bundle)]
+        yield (
+            f"{array.name} = {listed(told)}: between the same points of the grid along most of "
+            "their lines, which are no more exact; more of it: a larger num, a narrower axis"
+        )
+
+
+def broken(
+    array: xr.DataArray,
+    panels: Sequence[Panel],
+    levels: Sequence[float],
+    undecided: Sequence[np.ndarray],
+) -> Iterator[str]:
+    """Which levels have a line with gaps at `undecided` points, shape (points along y, along x)."""
+    for number, level in enumerate(levels):
+        gaps = sum(
+            _gaps(plane, level, unsure)
+            for panel, unsure in zip(panels, undecided, strict=True)
+            for plane in panel[number]
+        )
+        if gaps:
+            yield (
+                f"{words(array, level, levels)}: its line has gaps, where points are undecided; a "
+                "longer t_max under [solver] decides most"
+            )
+
+
+def _crossed(plane: np.ndarray, level: float) -> np.ndarray:
+    """Between which neighbours, along y and then along x, the level is passed."""
+    side = np.where(np.isfinite(plane), np.where(plane > level, 1, -1), 0)
+    steps = side[:, 1:] * side[:, :-1], side[:, :, 1:] * side[:, :, :-1]
+    return np.concatenate([np.ravel((step < 0).any(axis=0)) for step in steps])
+
+
+def _gaps(plane: np.ndarray, level: float, undecided: np.ndarray) -> int:
+    """In how many cells, with two points undecided, the level lies between the two others."""
+    if min(undecided.shape) < 2:
+        return 0
+    whole = np.where(np.isfinite(plane).any(axis=0), np.nansum(plane, axis=0), np.nan)
+    unsure, values = (sliding_window_view(one, (2, 2)).reshape(-1, 4) for one in (undecided, whole))
+    values = values[(unsure & np.isnan(values)).sum(axis=1) == 2]
+    values = values[np.isfinite(values).sum(axis=1) == 2]
+    return int(_passed(values, level).sum())
+
+
+def beside(plane: np.ndarray, level: float) -> str:
+    """On which side of the level a plane lies, or its parts; nothing where a line leads through."""
+    sides = {side(part, level) for part in plane} - {NOT_KNOWN}
+    return "" if "" in sides else IN_A_JUMP if len(sides) > 1 else "".join(sides) or NOT_KNOWN
+
+
+def side(part: np.ndarray, level: float) -> str:
+    """On which side of the level it lies as a whole; nothing where the level runs through it."""
+    known = part[np.isfinite(part)]
+    if known.size == 0:
+        return NOT_KNOWN
+    if known.max() <= level:
+        return "below everywhere"
+    if known.min() >= level:
+        return "above everywhere"
+    return "" if _is_passed(part, level) else IN_A_ROW
+
+
+def _is_passed(part: np.ndarray, level: float) -> bool:
+    """Whether a line leads through it: between three points, or four, that are neighbours."""
+    cells = sliding_window_view(part, (2, 2)).reshape(-1, 4) if min(part.shape) > 1 else NO_CELLS
+    cells = cells[np.isfinite(cells).sum(axis=1) > 2]
+    return bool(_passed(cells, level).any())
+
+
+def _passed(cells: np.ndarray, level: float) -> np.ndarray:
+    """In which cells, some of whose points are known, the level lies between two of these."""
+    return np.asarray((np.nanmin(cells, axis=1) <= level) & (level < np.nanmax(cells, axis=1)))
+
+
+def words(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:
+    unit = labels.unit_text(str(array.attrs.get("units", "1")))
+    own, value = labels.quantity(array, str(array.name)), labels.number_text(level, levels)
+    return f"{own} = {value} {unit}".rstrip()
