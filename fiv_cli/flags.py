@@ -350,6 +350,17 @@ CYCLE_END = FlagTable(
     },
     fill=NOT_COMPUTED,
 )
+GRAZED = FlagTable(
+    {
+        NOT_COMPUTED: -1,
+        "stick": 0,
+        "slip_reversal": 1,
+        "separation": 2,
+        "law_piece": 3,
+        "order": 4,
+    },
+    fill=NOT_COMPUTED,
+)
 GOES_ON = FlagTable({NOT_COMPUTED: -1, "no": 0, "yes": 1}, fill=NOT_COMPUTED)
 RANGE_END = FlagTable(
     {NOT_COMPUTED: -1, "change": 0, "bracket": 1, "undecided": 2}, fill=NOT_COMPUTED
@@ -382,6 +393,7 @@ TABLES: Mapping[str, FlagTable] = {
     "crossing_direction": CROSSING_DIRECTION,
     "complete": COMPLETE,
     "cycle_end": CYCLE_END,
+    "grazed": GRAZED,
     "goes_on": GOES_ON,
     "range_end": RANGE_END,
     "section": SECTION,

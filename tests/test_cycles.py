@@ -357,6 +357,8 @@ def test_a_branch_turns_at_a_grazing_and_shrinks_to_the_equilibrium(
     assert point == pytest.approx(rest, abs=3e-6)
     assert corner > point
     assert found.ragged["cycle_end_goes_on"] == ["no", "yes", "no"]
+    assert found.ragged["cycle_end_event"] == ["not_computed", "stick", "not_computed"]
+    assert found.ragged["cycle_end_contact"].tolist() == [0, 1, 0]
     stable = np.array(found.ragged["branch_stable"]) == "stable"
     turned = int(np.argmax(found.ragged["branch_value"]))
     assert np.all(stable[:turned]) and not np.any(stable[turned + 1 :])
@@ -873,6 +875,28 @@ def test_a_cycle_shrinks_to_rest_within_the_error(c: float, width: float) -> Non
     assert abs(told - 0.1 * log(100.0 / c)) <= error <= max(width, 1e-9)
 
 
+def test_a_grazing_says_which_event_of_which_contact_enters_or_leaves() -> None:
+    """Of two coupled masses the one without a load never sticks; it overtakes the belt below the
+    speed at which it would be as fast, which cycles beside it show."""
+
+    def cycles(**settings: Any) -> Any:
+        loaded = {"name": "belt-2mass", "parameters": {"N": 0.0, "N2": 20.0}}
+        start = {"kind": "equilibrium", "offset": {"x2": 3.0}}
+        case = {"schema": 1, "model": loaded, "friction": {"law": "stribeck"}, "initial": [start]}
+        return api.run(api.load(case | settings), workers=1)
+
+    asked = {"kind": "cycle", "observe": "x2"}
+    found = cycles(analysis=[asked | {"parameter": "v", "bracket": [0.5, 4.0]}])
+    kinds, events = (api.names_of(found[f"cycle_end_{of}"]).values for of in ("kind", "event"))
+    assert kinds.tolist() == ["bracket", "grazing", "bracket"]
+    assert events.tolist() == ["not_computed", "slip_reversal", "not_computed"]
+    assert found["cycle_end_contact"].values.tolist() == [0, 1, 0]
+    at = found["cycle_end"].values[1]
+    beside = cycles(analysis=[asked], grid={"v": [at - 0.01, at + 0.01]})
+    faster = beside["x1_dot_max"].values.ravel() > beside["v"].values
+    assert faster.tolist() == [True, False]
+
+
 def test_cycles_of_all_sizes_at_one_parameter_lead_to_rest() -> None:
     """Flutter that only slips is linear: at the critical friction it is neutral up to a grazing."""
     model = {"name": "flutter-2dof", "parameters": {"c1": 0.1, "c2": 0.1}}
@@ -881,6 +905,7 @@ def test_cycles_of_all_sizes_at_one_parameter_lead_to_rest() -> None:
     found = cycle_case(model, {"law": "coulomb", "mu_k": 5.0}, {}, **asked)
     kinds = api.names_of(found["cycle_end_kind"]).values.tolist()
     assert kinds == ["equilibrium", "grazing", "fold", "fold", "bracket"]
+    assert api.names_of(found["cycle_end_event"]).values[1] == "stick"
     told, error = (found[f"cycle_end{of}"].values[0] for of in ("", "_error"))
     assert abs(told - 4.38133283987163) <= error <= 1e-10  # of the eigenvalues, in 40 digits
     size = (found["branch_max"] - found["branch_min"]).values

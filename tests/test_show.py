@@ -183,6 +183,8 @@ def test_where_branches_begin_and_end_is_told(
         assert [row["cycle_end_direction"] for row in rows] == [-1, 1]
         assert {row["cycle_end_goes_on"] for row in rows} == {"no"}
         assert [row["cycle_end_kind"] for row in rows] == ["bracket", "grazing"]
+        assert [row["cycle_end_event"] for row in rows] == [None, "stick"]
+        assert [row["cycle_end_contact"] for row in rows] == [0, 1]
     assert fiv(["check", str(case), "--set", "model.parameters.v=9.0"]) == 3
     assert "from v = 9.0, the case's own, which lies outside" in capsys.readouterr().err
 

@@ -30,6 +30,7 @@ SEVERAL = "crossing"
 # What is told of a change, or an end, of a branch; of more than some, the first.
 ENDS = "cycle_end"
 OF_ENDS = (ENDS, *(f"{ENDS}_{of}" for of in ("error", "kind", "direction", "goes_on")))
+OF_GRAZINGS = (f"{ENDS}_event", f"{ENDS}_contact")
 MOST_ENDS = 48
 
 Row = dict[str, Any]
@@ -86,7 +87,9 @@ def branch_ends(dataset: xr.Dataset) -> list[Row]:
     place = np.unravel_index(select.row_of_each(sizes), sizes.shape)
     index = dict(zip(sizes.dims, place, strict=True))
     axes = {name: dataset[name].values[index[dataset[name].dims[0]]] for name in _varying(dataset)}
-    known = {name: _told(dataset[name]) for name in OF_ENDS if name in dataset}
+    known = {name: _told(dataset[name]) for name in (*OF_ENDS, *OF_GRAZINGS) if name in dataset}
+    if not any(known.get(OF_GRAZINGS[0], ())):
+        known = {name: told for name, told in known.items() if name not in OF_GRAZINGS}
     columns = {name: values.tolist() for name, values in axes.items()} | known
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 

@@ -839,21 +839,27 @@ def _kind_of_end(line: Continuation, here: Point) -> str:
             return GRAZING
         if _jumps(line, here, unknowns):
             return GRAZING
-    if here.cycle.largest > UNBOUND or _grazes_beside(line, here):
+    events = here.cycle.around.events
+    if here.cycle.largest > UNBOUND or any(one.events != events for one in _beside(line, here)):
         return GRAZING
     if here.kept and here.cycle.last_digits > BLURRED * OPEN:
         return AT_REST  # too small for its digits, before the parameter came as close as asked
     return FOLD if abs(here.slope) < UPRIGHT else OTHER
 
 
-def _grazes_beside(line: Continuation, here: Point) -> bool:
-    """Whether motions next to the last cycle have other events, to whichever side.
+def motions_beyond(line: Continuation, here: Point) -> Iterator[Passage]:
+    """Motions over the period of the last cycle, from farther along the branch and from beside."""
+    for distance in BEYOND:
+        yield _over_period(line, here, here.unknowns + distance * here.tangent)
+    yield from _beside(line, here)
+
+
+def _beside(line: Continuation, here: Point) -> Iterator[Passage]:
+    """Motions next to the last cycle, to whichever side.
 
     At a grazing the direction of the branch may have no limit, and what lies ahead be none of it.
     """
-    beside = (here.unknowns + BEYOND[0] * way for way in _all_ways(here))
-    passages = (_over_period(line, here, unknowns) for unknowns in beside)
-    return any(one.events != here.cycle.around.events for one in passages)
+    return (_over_period(line, here, here.unknowns + BEYOND[0] * way) for way in _all_ways(here))
 
 
 def _all_ways(here: Point) -> Matrix:

@@ -114,6 +114,11 @@ def _changes(varied: Varied) -> list[Variable]:
         ),
         Variable("cycle_end_error", varied.unit, _OFF, ragged=end, comment=_CYCLES_AGAIN),
         classes("cycle_end_kind", "what happens", of="cycle_end", ragged=end, comment=_KINDS),
+        detail(
+            "cycle_end_event", "what enters or leaves at a grazing", of="grazed", ragged=end,
+            comment="order: events change their places",
+        ),
+        count("cycle_end_contact", "whose event that is; 0: none, or several contacts", ragged=end),
         count("cycle_end_direction", f"1: {name} rising, -1: falling", ragged=end),
         detail("cycle_end_goes_on", "whether it was followed beyond", of="goes_on", ragged=end),
     ]  # fmt: skip

@@ -37,6 +37,7 @@ from fiv_cli.analyses.cycles.first_guess import (
     guesses,
     returns,
 )
+from fiv_cli.analyses.cycles.grazed import grazed
 from fiv_cli.analyses.cycles.periodic import Anchor, Cycle, Problem, close, floquet, problem_of
 from fiv_cli.dynamics.system import System
 
@@ -290,7 +291,8 @@ def _add_branch(
     line = Continuation(problem, varied, bracket, width)
     points, ends, stable_ends = _both_ways(line, cycle, value)
     errors = [end_error(line, end) for end in ends]
-    outcome.ragged |= _branch_arrays(points, observed) | _end_arrays(ends, errors)
+    events = [grazed(line, end) for end in ends]
+    outcome.ragged |= _branch_arrays(points, observed) | _end_arrays(ends, errors, events)
     for side, extreme in (("lowest", np.argmin), ("highest", np.argmax)) if ends else ():
         place = int(extreme([end.value for end in ends]))
         outcome.values |= {
@@ -341,12 +343,16 @@ def _branch_arrays(points: list[Point], observed: int) -> dict[str, object]:
     }
 
 
-def _end_arrays(ends: list[End], errors: list[float]) -> dict[str, object]:
+def _end_arrays(
+    ends: list[End], errors: list[float], events: list[tuple[str, int]]
+) -> dict[str, object]:
     return {
         "cycle_end": np.array([end.value for end in ends]),
         "cycle_end_width": np.array([end.width for end in ends]),
         "cycle_end_error": np.array(errors),
         "cycle_end_kind": [end.kind for end in ends],
+        "cycle_end_event": [event for event, _ in events],
+        "cycle_end_contact": np.array([contact for _, contact in events], dtype=int),
         "cycle_end_direction": np.array([end.direction for end in ends], dtype=int),
         "cycle_end_goes_on": ["yes" if end.goes_on else "no" for end in ends],
     }
