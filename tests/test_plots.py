@@ -2839,6 +2839,17 @@ def test_levels_on_steep_lines_are_all_written_upwards():
         assert len(turned) >= 3 and all(60.0 < angle <= 90.0 for angle in turned)
 
 
+@pytest.mark.parametrize("reach", [0.08, 0.11, 0.14, 0.18])
+def test_levels_are_written_on_lines_whose_dashes_are_finer(reach):
+    """On a straight one across a corner, which is shorter than the dashes of its level, too."""
+    dataset = data.stability_map(initial=("reached",), nx=31, ny=31)
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 31), np.linspace(0.0, 1.0, 31), indexing="ij")
+    dataset["L_s"].values[:] = (3.0 - (1.0 - x + y) / reach)[..., None]
+    asked = figure("map", variable="L_s", level=[-3.0, -1.0, 1.0, 2.0])
+    drawn = draw(dataset, asked, look=look_of("paper", width=85.0))
+    assert "2" in {text.get_text() for text in drawn.axes[0].texts}
+
+
 @pytest.mark.parametrize("panels", [[True, True], [True, False], [False, False]])
 def test_a_level_that_one_panel_has_no_room_for_is_told(monkeypatch, panels):
     """Though it is written in another."""
@@ -4982,6 +4993,20 @@ def test_datasets_of_one_figure_are_called_by_what_they_differ_in(changes, calle
     fixed = {name: ((), value, one[name].attrs) for name, value in changes.items()}
     other = one.assign_coords(fixed).assign_attrs(law)
     assert words.told_apart([("one", one), ("two", other)]) == called
+
+
+def test_datasets_are_not_called_by_settings_of_an_analysis_that_one_of_them_has_not():
+    analyses = {"response": {"kind": "response", "settings": {"t_max": 10.0}}}
+    linear = {"eigenvalues": {"kind": "eigenvalues", "settings": {"at_equilibrium": 1}}}
+    longer = {"response": {"kind": "response", "settings": {"t_max": 20.0}}}
+    called = []
+    for first, second in ((analyses | linear, analyses), (analyses | linear, longer)):
+        one, other = (
+            data.bifurcation().assign_attrs(analyses_json=json.dumps(told), starts_json="[]")
+            for told in (first, second)
+        )
+        called += words.told_apart([("one", one), ("two", other)])
+    assert called == ["one", "two", "t_max = 10.0", "t_max = 20.0"]
 
 
 def test_what_one_dataset_fixes_and_another_varies_is_its_name():

@@ -121,6 +121,8 @@ def test_a_branch_that_all_starts_lead_to_is_one(branches: xr.Dataset) -> None:
         assert told & {"a", "b", "both starts"} == starts
     upon = [branch._upon(dataset, {"initial": 0}) for dataset in (apart, same, shorter)]
     assert upon == [0, 1, 1]  # where some lead to it alone, that is seen by its width
+    apart, same, shorter = (branch.lines_apart(one) for one in (apart, same, shorter))
+    assert [line.index["initial"] for line in (*apart, *same, *shorter)] == [0, 1, 0, 0]
 
 
 def test_an_end_is_marked_at_the_end_of_its_branch(branches: xr.Dataset) -> None:
@@ -288,6 +290,30 @@ def test_equilibria_change_where_a_branch_ends_at_one(fluttering: tuple[Any, Any
         assert known[0].max() == known[1].min() == pytest.approx(change, abs=1e-6)
 
 
+def doubled(cycles: xr.Dataset) -> xr.Dataset:
+    """The branch of one start as that of two, which is stored twice."""
+    ragged = [str(dim) for dim in cycles.dims if str(dim).endswith("_obs")]
+    twice = {dim: np.tile(np.arange(cycles.sizes[dim]), 2) for dim in ragged}
+    return cycles.isel(twice | {"initial": [0, 0]}).assign_coords(initial=["a", "b"])
+
+
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+def test_a_branch_that_two_starts_lead_to_is_drawn_once(
+    fluttering: tuple[Any, Any], kind: str
+) -> None:
+    """Dashes over dashes would be a line."""
+    found, cycles = fluttering
+    asked = {"variable": "x_amplitude"} if kind == "curve" else {"x": "mu_k"}
+    spec = FigureSpec(kind, kind, {**asked, "analysis": "response"})
+    told = []
+    for over in (cycles, doubled(cycles)):
+        (ax,) = draw([("", found), ("", over)], spec).axes
+        lines = [line for line in ax.lines if len(line.get_xdata())]
+        names = [str(line.get_label()).removeprefix("_") for line in lines]
+        told.append(sorted(name for name in names if "cycle" in name or "grazing" in name))
+    assert told[0] == told[1] and told[0]
+
+
 def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
     fluttering: tuple[Any, Any],
 ) -> None:
@@ -300,7 +326,9 @@ def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
         rests = [line for line in ax.lines if "unstable equilibrium" in str(line.get_label())]
         assert bool(rests) == (name == "x_amplitude")
         at = np.concatenate([line.get_xydata() for line in rests] or [np.zeros((0, 2))])
-        assert at[np.isfinite(at[:, 1])].tolist() == ([[5.0, 0.0], [6.0, 0.0]] if rests else [])
+        at = at[np.isfinite(at[:, 1])]  # from where the cycle is born
+        expected = [[4.38133283987, 0.0], [5.0, 0.0], [6.0, 0.0]] if rests else np.zeros((0, 2))
+        np.testing.assert_allclose(at, expected, atol=1e-6)
         drawn = [line.get_xydata() for line in ax.lines if "stable cycle" in str(line.get_label())]
         (own,) = (line[np.isclose(line[:, 0], 5.0)] for line in drawn if 5.0 in line[:, 0])
         steady = found["response"][name].sel(mu_k=5.0).squeeze()

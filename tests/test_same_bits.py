@@ -43,7 +43,7 @@ observe = "phi"
 transient = 2.0
 t_max = 4.0
 parameter = "Omega"
-bracket = [4.0, 6.0]
+bracket = [4.9, 5.2]
 [[analysis]]
 kind = "response"
 section = { event = "slip->stick" }

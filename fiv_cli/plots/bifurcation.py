@@ -21,6 +21,7 @@ from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import CYCLE_END, NOT_COMPUTED, SECTION
 from fiv_cli.plots import branch, labels, points, smooth, style
 from fiv_cli.plots.drawn import DECORATION, UNNAMED
+from fiv_cli.plots.turns import up_to_turns
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names, is_class, numbers
 
@@ -727,7 +728,7 @@ def _mark_changes(
 ) -> None:
     """A mark at each change and end of branches, in the colour of their diagram."""
     dataset = _without_outer_ends(dataset, axis)
-    for line in points.lines(dataset, [], points.grid_dims(dataset)):
+    for line in branch.lines_apart(dataset):
         place, colour = _whose(layer, dataset.isel(line.index), axis, colours)
         branch.draw_marks(ax, dataset, line.index, colour, place, CHANGE, at_section=True)
     branch.name_marks(ax, [dataset], CHANGE)
@@ -863,7 +864,7 @@ def _draw_equilibria(
         of_word = _all_of(equilibria), height
         parts = [[of.isel(line.index).values for of in of_word] for line in lines]
         drawn = [
-            (points.joined(layer.label, line.label), *_up_to(changes, x, every, own))
+            (points.joined(layer.label, line.label), *up_to_turns(changes, x, every, own))
             for line, (every, own) in zip(lines, parts, strict=True)
             if np.isfinite(own).any()
         ]
@@ -889,27 +890,6 @@ def _mark_turns(ax: Axes, turns: Sequence[Line2D]) -> None:
         ax.plot(*places, color=one.get_color(), label=one.get_label(), **TURN)
     if seen:
         ax.plot([], [], color=style.BLACK, label=TURNS_HERE, **TURN)
-
-
-def _up_to(
-    changes: np.ndarray, x: np.ndarray, every: np.ndarray, own: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places and heights of one's own among `every` equilibrium, up to where it turns another's.
-
-    Between two neighbours that is the only one of the `changes` there, else the middle. Last comes
-    where it turns, shape (2, turns).
-    """
-    known, goes_on = np.isfinite(own), np.isfinite(every[1:] + every[:-1])
-    right = 1 + np.flatnonzero((known[1:] != known[:-1]) & goes_on)
-    share = np.array([_share(changes, x[at - 1], x[at]) for at in right])
-    at, height = (of[right - 1] + share * (of[right] - of[right - 1]) for of in (x, every))
-    return np.insert(x, right, at), np.insert(own, right, height), np.array([at, height])
-
-
-def _share(changes: np.ndarray, one: float, other: float) -> float:
-    """How far from one neighbour to the other the only change between them lies; midway without."""
-    between = changes[((changes - one) * (changes - other) <= 0.0) & (one != other)]
-    return float((between[0] - one) / (other - one)) if between.size == 1 else 0.5
 
 
 def _blacken_shared(ax: Axes, line: Line2D) -> bool:
@@ -953,7 +933,7 @@ def _cycles(
     The heights are both extremes, or what they pass `at_section`.
     """
     if branch.is_along(dataset, str(axis.name), observed):
-        for line in points.lines(dataset, [], points.grid_dims(dataset)):
+        for line in branch.lines_apart(dataset):
             stretches = branch.stretches(dataset, line.index, at_section=at_section)
             yield from ((dataset.isel(line.index), stretch) for stretch in stretches)
     elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, permutations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib as mpl
@@ -112,6 +112,26 @@ def _each_once(dataset: xr.Dataset) -> Iterator[points.Line]:
             yield from own
 
 
+def lines_apart(dataset: xr.Dataset) -> list[points.Line]:
+    """Every branch but those that lie on that of another start: dashes over dashes would be a line.
+
+    Of two that are one and the same that of the later start.
+    """
+    lines = [*_each_once(dataset)]
+    paths = [_line(dataset, line.index) for line in lines]
+    places = [{**line.index, "initial": 0} for line in lines]
+
+    def lies_on(one: int, other: int) -> bool:
+        return places[one] == places[other] and _lies_on(paths[one], paths[other], 1.0)
+
+    covered = {
+        one
+        for one, other in permutations(range(len(lines)), 2)
+        if lies_on(one, other) and (other < one or not lies_on(other, one))
+    }
+    return [line for number, line in enumerate(lines) if number not in covered]
+
+
 def _branch(
     ax: Axes, dataset: xr.Dataset, index: Mapping[str, int], entry: points.Entry
 ) -> set[str]:
@@ -217,7 +237,7 @@ def told_of(
     """
     observed, _, of = variable.rpartition("_")
     if of in OF_EXTREMES and is_along(dataset, parameter, observed):
-        for line in points.lines(dataset, [], points.grid_dims(dataset)):
+        for line in lines_apart(dataset):
             for word, value, extremes, _ in stretches(dataset, line.index):
                 yield line, word, value, OF_EXTREMES[of](*extremes)
 

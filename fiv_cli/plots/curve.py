@@ -18,6 +18,7 @@ from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import listed
 from fiv_cli.plots import branch, labels, leaps, points, smooth, style
 from fiv_cli.plots.drawn import DECORATION
+from fiv_cli.plots.turns import up_to_turns
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     ends_of,
@@ -252,12 +253,22 @@ def _lines(
             )
             yield from ((place, curve) for curve in curves)
             if rest and name.endswith(AMPLITUDE):
-                yield from ((place, curve) for curve in _unstable_rests(part, axis))
+                births = _births(parts[name].values(), axis, name.removesuffix(AMPLITUDE))
+                yield from ((place, curve) for curve in _unstable_rests(part, axis, births))
 
 
-def _unstable_rests(layer: points.Layer, axis: xr.DataArray) -> Iterator[_Curve]:
+def _births(layers: Iterable[points.Layer], axis: xr.DataArray, observed: str) -> np.ndarray:
+    """Where branches along an axis end at an equilibrium."""
+    every = [one.dataset for one in layers]
+    along = [one for one in every if branch.is_along(one, str(axis.name), observed)]
+    return np.concatenate([np.zeros(0), *map(branch.births, along)])
+
+
+def _unstable_rests(
+    layer: points.Layer, axis: xr.DataArray, births: np.ndarray
+) -> Iterator[_Curve]:
     """The equilibria of a case that no motion comes to, whose amplitude is none: what eigenvalues
-    tell of them, along an axis."""
+    tell of them, along an axis, and `births` of cycles where they turn unstable."""
     told = (one for one in layer.beside if {"stable", "growth_rate"} <= {*one})
     judged = next((one for one in told if select.has_axis(one, str(axis.name))), None)
     if judged is None:
@@ -265,10 +276,13 @@ def _unstable_rests(layer: points.Layer, axis: xr.DataArray) -> Iterator[_Curve]
     own = select.axis_of(judged, str(axis.name))
     x, dim = points.positions(own), str(own.dims[0])
     unstable = is_class(judged["stable"], ("unstable",))
+    known = is_class(judged["stable"], ("stable", "unstable"))
     for line in points.lines(judged, [dim], points.grid_dims(judged)):
+        every = np.where(known.isel(line.index).values, 0.0, np.nan)
         y = np.where(unstable.isel(line.index).values, 0.0, np.nan)
         if np.isfinite(y).any():
-            what = x, y, np.zeros(x.size, bool), (y, y), np.zeros(x.size)
+            at, y, _ = up_to_turns(births, x, every, y) if births.size else (x, y, ())
+            what = at, y, np.zeros(at.size, bool), (y, y), np.zeros(at.size)
             look: dict[str, Any] = {"dash": ":", "mark": {"marker": "None"}}  # not as cycles
             words = {DATASET: layer.label, **line.words}
             yield _Curve(words, *what, **look, sort="unstable equilibrium")

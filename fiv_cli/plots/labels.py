@@ -236,11 +236,15 @@ def _has_lines(dataset: xr.Dataset) -> bool:
 
 
 def _differing_settings(datasets: Sequence[xr.Dataset]) -> list[str]:
-    """In which settings of their analyses datasets differ, if these are few; "" for each if not."""
+    """In which settings of their analyses datasets differ, if these are few; "" for each if not.
+
+    An analysis that one of them does not have is no setting.
+    """
     each = [settings_of(dataset.attrs) for dataset in datasets]
-    keys = [key for key in each[0] if any(one.get(key) != each[0][key] for one in each)]
+    shared = [key for key in each[0] if all(key in one for one in each)]
+    keys = [key for key in shared if any(one[key] != each[0][key] for one in each)]
     few = keys if len(keys) <= MOST_PARAMETERS else []
-    return [", ".join(f"{key.rpartition('.')[2]} = {one.get(key)}" for key in few) for one in each]
+    return [", ".join(f"{key.rpartition('.')[2]} = {one[key]}" for key in few) for one in each]
 
 
 def _fixed_of_axes(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> str:

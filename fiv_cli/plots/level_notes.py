@@ -91,7 +91,7 @@ def broken(
         if gaps:
             yield (
                 f"{words(array, level, levels)}: its line has gaps, where points are undecided; a "
-                "longer t_max under [solver] decides most"
+                "longer t_max of the analysis decides most"
             )
 
 

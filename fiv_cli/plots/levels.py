@@ -238,13 +238,14 @@ def _dash_short_pieces(ax: Axes, lines: QuadContourSet) -> None:
     if not pattern:
         return
     period = sum(pattern) * ax.figure.figure.dpi / style.POINTS
-    measured = [(_length(ax, one) / (LEAST_PERIODS * period), Path(one)) for one in _pieces(lines)]
-    short = [(share, piece) for share, piece in measured if share < 1.0]
+    measured = [(_length(ax, one) / (LEAST_PERIODS * period), one) for one in _pieces(lines)]
+    short = [(share, [piece]) for share, piece in measured if share < 1.0]
     whole = [piece for share, piece in measured if share >= 1.0]
     if short:
-        paths = [*([(1.0, Path.make_compound_path(*whole))] if whole else []), *short]
+        paths = [*([(1.0, whole)] if whole else []), *short]
         finer: Any = [(start, [share * dash / width for dash in pattern]) for share, _ in paths]
-        lines.set_paths([path for _, path in paths])
+        # with codes, which levels that are written along lines are looked for by
+        lines.set_paths([Path.make_compound_path(*map(Path, pieces)) for _, pieces in paths])
         lines.set_linestyle(finer)
 
 

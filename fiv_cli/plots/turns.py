@@ -1,0 +1,26 @@
+"""Where, between two points of a grid, equilibria turn stable or unstable."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def up_to_turns(
+    changes: np.ndarray, x: np.ndarray, every: np.ndarray, own: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places and heights of one's own among `every` equilibrium, up to where it turns another's.
+
+    Between two neighbours that is the only one of the `changes` there, else the middle. Last comes
+    where it turns, shape (2, turns).
+    """
+    known, goes_on = np.isfinite(own), np.isfinite(every[1:] + every[:-1])
+    right = 1 + np.flatnonzero((known[1:] != known[:-1]) & goes_on)
+    share = np.array([_share(changes, x[at - 1], x[at]) for at in right])
+    at, height = (of[right - 1] + share * (of[right] - of[right - 1]) for of in (x, every))
+    return np.insert(x, right, at), np.insert(own, right, height), np.array([at, height])
+
+
+def _share(changes: np.ndarray, one: float, other: float) -> float:
+    """How far from one neighbour to the other the only change between them lies; midway without."""
+    between = changes[((changes - one) * (changes - other) <= 0.0) & (one != other)]
+    return float((between[0] - one) / (other - one)) if between.size == 1 else 0.5
