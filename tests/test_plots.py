@@ -2850,6 +2850,33 @@ def test_levels_are_written_on_lines_whose_dashes_are_finer(reach):
     assert "2" in {text.get_text() for text in drawn.axes[0].texts}
 
 
+def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path, monkeypatch):
+    """Of a few places a step may be a leap, or one line; between more of the map it is straight."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    response = with_growth()["response"]
+    many = response["Omega"].values
+    few = many[:: many.size // 4]
+    long_name = {"long_name": "critical value of N0"}
+    notes = {}
+    for name, x, values in (
+        ("whole", many, 4.0 * many),
+        ("few", few, 4.0 * few),
+        ("leap", many, 4.0 * many + np.where(many < many[9], 20.0, 0.0)),
+    ):
+        found = {"critical_value": ("Omega", values, long_name)}
+        found["status"] = data.statuses(("Omega",), np.full(x.size, "ok"))
+        axis = {"Omega": ("Omega", x, response["Omega"].attrs)}
+        xr.Dataset(found, axis, response.attrs).to_netcdf(f"runs/{name}.nc")
+        asked = figure("map", x="Omega", y="N0", level={f"{name}:critical_value": "N0"})
+        notes[name] = style.notes_on(draw(response, asked))
+    assert notes["whole"] == []
+    (straight,), (apart,) = notes["few"], notes["leap"]
+    assert f"straight between its {few.size} values of Omega" in straight
+    ends = [words.number_text(one, many.tolist()) for one in many[8:10]]
+    assert f"not joined between Omega = {ends[0]} and {ends[1]}, where it steps" in apart
+
+
 @pytest.mark.parametrize("panels", [[True, True], [True, False], [False, False]])
 def test_a_level_that_one_panel_has_no_room_for_is_told(monkeypatch, panels):
     """Though it is written in another."""

@@ -630,15 +630,15 @@ def _known(
     found: dict[str, Variable | None] = dict.fromkeys(
         [*(axis.dim for axis in case.axes), COMPUTED.name]
     )
-    if with_motions:
-        model, internal = get_model(case.model), case.internal
-        own = variables_of("history", model, case.options, {}, internal=internal)
-        found |= {variable.name: variable for variable in own}
     for variables in chosen:
         if variables is None:
             return {}
         found |= {f"{v.ragged}_row_size": None for v in variables if v.ragged}
         found |= {variable.name: variable for variable in variables}
+    if with_motions:  # which have a force at each instant, an equilibrium but one
+        model, internal = get_model(case.model), case.internal
+        own = variables_of("history", model, case.options, {}, internal=internal)
+        found |= {variable.name: variable for variable in own}
     return found
 
 

@@ -7,7 +7,7 @@ unstable beyond that, no border lies.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.typing import ColorType
 
+MOST_STEPS = 3  # that are told of
+COARSE = 1  # places of a map on a straight piece of a line
 LEFT_OPEN = "undecided_in_part"
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
@@ -51,6 +53,26 @@ class CriticalLines:
         left, places = int(_is_left_open(self.dataset).sum()), self.dataset["status"].size
         told = f"{self._words}: not at {left} of {places} places ({LEFT_OPEN}: raise t_max there)"
         return [*[none] * (not inside), *[told] * bool(left)]
+
+    @property
+    def inexact(self) -> Iterator[str]:
+        """Where neighbours are not joined, and that there are few values to draw lines through."""
+        along, drawn = self._along, [self._joined(panel) for panel in self.panels]
+        steps = sorted({step for _, values, lines in drawn for step in _not_joined(values, lines)})
+        x = drawn[0][0] if drawn else np.zeros(0)
+        for first, second in [(x[step], x[step + 1]) for step in steps][:MOST_STEPS]:
+            ends = " and ".join(labels.number_text(one, x.tolist()) for one in (first, second))
+            yield (
+                f"{self._words}: not joined between {along.name} = {ends}, where it steps by more "
+                f"than beside it; if it is one line, more values of {along.name} in its case join "
+                "it"
+            )
+        between = np.diff(np.searchsorted(np.sort(points.positions(along)), np.sort(x)))
+        if between.max(initial=0) > COARSE:
+            yield (
+                f"{self._words}: straight between its {x.size} values of {along.name}, of which "
+                "the map has more; as many in its case bend it"
+            )
 
     def keys(self, colour: ColorType) -> list[Line2D]:
         """Its entry of a legend."""
@@ -84,8 +106,22 @@ class CriticalLines:
 
     def _lines(self, panel: points.Line) -> list[Piece]:
         """Crossings of neighbours joined, as far as they belong together."""
-        turned = self.upright == self.axes[0].name
-        along = self.axes[1 if turned else 0]
+        x, values, joined = self._joined(panel)
+        lines = [(x[at[0]], values[at]) for at in (tuple(np.array(line).T) for line in joined)]
+        return [(y, x) for x, y in lines] if self._is_turned else lines
+
+    @property
+    def _is_turned(self) -> bool:
+        return self.upright == str(self.axes[0].name)
+
+    @property
+    def _along(self) -> xr.DataArray:
+        """The axis of the map along which the values are known."""
+        return self.axes[1 if self._is_turned else 0]
+
+    def _joined(self, panel: points.Line) -> tuple[np.ndarray, np.ndarray, list[list[curve.Place]]]:
+        """Places along the axis, crossings there, shape (places, crossings), and lines of them."""
+        along = self._along
         dataset = self._on_the_map(along)
         array, x = self._of_the_border(dataset), points.positions(dataset[along.name])
         own = {dim: at for dim, at in panel.index.items() if dim in array.dims}
@@ -93,9 +129,7 @@ class CriticalLines:
             one.isel(own).transpose(along.dims[0], ...).values.reshape(x.size, -1)
             for one in (array, curve.modes_of(dataset, array))
         )
-        places = [tuple(np.array(line).T) for line in curve.joined(x, values, modes)]
-        lines = [(x[at[0]], values[at]) for at in places]
-        return [(y, x) for x, y in lines] if turned else lines
+        return x, values, curve.joined(x, values, modes)
 
     def _on_the_map(self, along: xr.DataArray) -> xr.Dataset:
         """What it is drawn of, along one axis and those of the panels alone.
@@ -124,6 +158,16 @@ class CriticalLines:
         if values.sizes.get("crossing", 1) == 1 or not sides:
             return values
         return values.where((sides[0] <= 0) | (sides[-1] <= 0))
+
+
+def _not_joined(values: np.ndarray, lines: Sequence[Sequence[curve.Place]]) -> list[int]:
+    """Places between which and the next fewer lines lead than both have crossings."""
+    counts = np.isfinite(values).sum(axis=1)
+    led = np.zeros(counts.size - 1, int)
+    for line in lines:
+        led[[place for place, _ in line[:-1]]] += 1
+    steps: list[int] = np.flatnonzero(np.minimum(counts[1:], counts[:-1]) > led).tolist()
+    return steps
 
 
 def _is_left_open(dataset: xr.Dataset) -> xr.DataArray:

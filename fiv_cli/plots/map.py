@@ -97,7 +97,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             if isinstance(one, _Lines) and one.of_the_map:
                 unwritten |= dict.fromkeys(one.unwritten(panel, written))
         points.scale(ax, settings)
-    inexact = [word for one in lines if isinstance(one, _Lines) for word in one.inexact]
+    inexact = [word for one in lines for word in one.inexact]
     told = *missed, *_held_otherwise(layers[0], planes, settings), *unwritten, *inexact
     style.add_notes(figure, told)
     return figure

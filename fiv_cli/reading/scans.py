@@ -54,7 +54,7 @@ def still_followed(dataset: xr.Dataset, settings: Mapping[str, Any]) -> list[str
     }
     crossings = dataset["n_crossings"].values.ravel()
     wide = wider_than_asked(dataset, settings, dataset["boundary_width"])
-    coarse = f"{COARSE}, {beside(dataset, wide)} lessens it; {BY_EIGENVALUES}"
+    coarse = f"{COARSE}; {BY_EIGENVALUES}; else {beside(dataset, wide)} lessens it"
     question = Question(**settings["of"])
     return [
         *still(question, settings["follow"], classes, crossings),
