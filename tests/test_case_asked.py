@@ -67,6 +67,11 @@ def plane(*lines: str) -> str:
     return figure('kind = "map"', *lines).replace("v = [0.5, 1.0]", "v = [0.5, 1.0]\nk = [1, 2]")
 
 
+def test_a_motion_has_a_force_at_each_instant_though_an_equilibrium_has_but_one() -> None:
+    shown = figure('kind = "history"', 'variable = "F_T"')
+    make_plan(parse_case(shown + '[[analysis]]\nkind = "equilibrium"\n', "a.toml"))
+
+
 def of_two(text: str) -> str:
     return text.replace("belt-1dof", "belt-2mass")
 
@@ -214,9 +219,9 @@ def test_what_will_be_there(text: str) -> None:
             'write variable = "F_T", contact = 1',
         ),
         (
-            figure('kind = "history"', 'variable = "F_T"') + '[[analysis]]\nkind = "equilibrium"\n',
+            figure('kind = "history"', 'variable = "L_s"'),
             "figure.0.variable",
-            '[[analysis]] kind = "history" or "characteristic" computes it',
+            "'L_s' has no value at each instant of a motion",
         ),
         (
             of_two(claim("F_N2", "{ less_than = 1 }") + '[[analysis]]\nkind = "equilibrium"\n'),

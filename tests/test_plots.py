@@ -496,6 +496,22 @@ def test_points_that_stand_alone_tell_by_marks_what_dashes_do(alone, marks):
     assert marked == {tuple(dataset["Omega"].values[alone])} if alone else not marked
 
 
+def test_the_key_of_a_dash_has_a_mark_where_its_line_has_some():
+    """An equilibrium is there at each point, and stands alone at none."""
+    speeds, dims = np.linspace(0.5, 5.0, 46), ("Omega", "N0")
+    values = np.linspace(1.0, 2.0, 46)[:, None] + np.array([0.0, 3.0, 6.0])
+    classes = np.full(values.shape, "periodic", object)
+    classes[20] = "equilibrium"
+    dataset = data.response(classes, values, data.axes(Omega=speeds, N0=[10.0, 20.0, 30.0]))
+    dataset["x_max"] = (dims, values, {"units": "m"})
+    rest = {"equilibrium": (dims, values + 19.0, {"units": "m", "long_name": "steady sliding"})}
+    beside = dataset[["status"]].assign(rest)
+    sources = [("", {"response": dataset, "equilibrium": beside})]
+    drawn = draw(sources, figure("curve", x="Omega", variable=["x_max", "equilibrium"]))
+    (legend,) = drawn.legends or [drawn.axes[0].get_legend()]
+    assert [key.get_marker() for key in legend.legend_handles[-2:]] == [".", "None"]
+
+
 def test_dashes_tell_no_starts_whose_lines_are_one_for_a_while():
     """In one colour those beneath would not be seen there."""
     values = np.zeros((46, 2))

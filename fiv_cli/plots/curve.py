@@ -124,12 +124,12 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     drawn = _marked_apart(drawn, dashed)
     every = [curve for _, curve in drawn]
     entries = _entries(every, dashed)
-    if dashed:
-        _name_looks(axes[0], every, entries, dashed)
     of_panels: list[list[tuple[_Curve, points.Entry]]] = [[] for _ in panels]
     for (place, curve), entry in zip(drawn, entries, strict=True):
         of_panels[place].append((curve, entry))
     most = max((_crowd(own) for n, own in enumerate(of_panels) if n not in bare), default=0)
+    if dashed:
+        _name_looks(axes[0], every, entries, dashed, most)
     own_settings = [points.of_panel(settings, n, own) for n, own in enumerate(panels)]
     for ax, own, lines in zip(axes, panels, of_panels, strict=True):
         if not all(curve.of_crossings for curve, _ in lines):
@@ -466,17 +466,24 @@ def _entries(lines: Sequence[_Curve], dashed: str) -> list[points.Entry]:
 
 
 def _name_looks(
-    ax: Axes, lines: Sequence[_Curve], entries: Sequence[points.Entry], dashed: str
+    ax: Axes, lines: Sequence[_Curve], entries: Sequence[points.Entry], dashed: str, most: int
 ) -> None:
-    """Legend entries of colours and of dashes, each by the words that it tells."""
+    """Legend entries of colours and of dashes, each by the words that it tells.
+
+    Where marks tell what dashes do those that have some are shown with them.
+    """
     pairs = [pair for pair in zip(lines, entries, strict=True) if pair[0].is_known]
     colours = {points.stem(one.without(dashed)): entry.colour for one, entry in pairs}
     for word, colour in colours.items():
         ax.plot([], [], color=colour, label=word, **style.COLOUR_ALONE)
-    looks = {one.words[dashed]: (one, entry.dash) for one, entry in pairs if one.words.get(dashed)}
-    for word, (one, dash) in looks.items():
-        mark = one.mark if one.short == TOO_SHORT else {}  # it tells what the dash does
-        ax.plot([], [], ls=dash, color=style.BLACK, label=word, **mark)
+    looks: dict[str, tuple[Any, Mapping[str, Any]]] = {}
+    for one, entry in pairs:
+        tells = one.short == TOO_SHORT and _has_marks(ax, one, most)
+        _, before = looks.get(one.words.get(dashed, ""), ("", {}))
+        looks[one.words.get(dashed, "")] = entry.dash, one.mark if tells else before
+    for word, (dash, mark) in looks.items():
+        if word:
+            ax.plot([], [], ls=dash, color=style.BLACK, label=word, **mark)
 
 
 def _panels(variables: Mapping[str, xr.DataArray]) -> list[dict[str, xr.DataArray]]:
@@ -632,7 +639,7 @@ def _plot(
     x, cut, beneath = (np.insert(one, curve.jumps, np.nan) for one in (curve.x, known, hidden))
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
-    way = np.insert(curve.way + shift if curve.way.size else known, curve.jumps, np.nan)
+    way = curve.whole_way + shift
     if not apart:
         seen = _marked_where_seen(ax, way, most, curve.short)
         look |= seen if curve.is_marked else {"marker": "None"}
@@ -691,6 +698,12 @@ def _marked_where_seen(ax: Axes, heights: np.ndarray, most: int, short: int = 1)
         return {}
     alone = np.flatnonzero(points.alone(known, short)).tolist()
     return {"markevery": alone} if alone else {"marker": "None"}
+
+
+def _has_marks(ax: Axes, curve: _Curve, most: int) -> bool:
+    """Whether some points of a line are marked."""
+    look = _marked_where_seen(ax, curve.whole_way, most, curve.short)
+    return curve.is_marked and look.get("marker") != "None"
 
 
 def _plot_unsure(ax: Axes, curve: _Curve, shift: float, entry: points.Entry) -> None:
@@ -834,6 +847,12 @@ class _Curve:
         sure = np.where(self.known & ~self.open & ~self.is_wide, 1.0, np.nan)
         known = np.isfinite(np.insert(sure, self.jumps, np.nan))
         return bool(points.alone(known, TOO_SHORT).any())
+
+    @property
+    def whole_way(self) -> np.ndarray:
+        """What its line leads through, with its gaps."""
+        sure = np.where(self.open | self.is_wide, np.nan, self.y)
+        return np.insert(self.way if self.way.size else sure, self.jumps, np.nan)
 
     @property
     def is_known(self) -> bool:
