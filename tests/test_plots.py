@@ -3043,13 +3043,40 @@ def test_gaps_of_a_line_where_points_are_undecided_are_told():
     dataset["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")
     asked = figure("map", variable="L_s", level=[0.31, 0.71])
     assert style.notes_on(draw(dataset, asked)) == []
-    between = int(0.31 * 19)
+    between = int(0.31 * 19)  # the levels lie beside it
     dataset["L_s"].values[between : between + 2, 7:9] = np.nan
     assert style.notes_on(draw(dataset, asked)) == []
     undecided = data.codes(data.ATTRACTORS, "undecided")
     dataset["attractor"].values[between : between + 2, 7:9] = undecided
     (note,) = style.notes_on(draw(dataset, asked))
     assert note.startswith("$L_s$ = 0.31") and "its line has gaps" in note
+    along = np.linspace(0.0, 1.0, 20)
+    dataset["L_s"].values[:] = (along[:, None] + along)[..., None]
+    dataset["L_s"].values[4, 8] = np.nan  # alone, across the corner of which the line would lead
+    dataset["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")
+    slanted = figure("map", variable="L_s", level=[12.01 / 19.0, 1.5])
+    assert style.notes_on(draw(dataset, slanted)) == []
+    dataset["attractor"].values[4, 8] = undecided
+    (note,) = style.notes_on(draw(dataset, slanted))
+    assert note.startswith("$L_s$ = 0.63") and "its line has gaps" in note
+
+
+@pytest.mark.parametrize(("points", "marked"), [(20, False), (60, True)])
+def test_undecided_points_are_seen_beneath_lines_on_a_fine_map_of_classes(points, marked):
+    """Their cells are as narrow as a line, and lie where one is drawn: at a border."""
+    response = data.stability_map(initial=("reached",), nx=points, ny=points)
+    response["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")
+    response["attractor"].values[5, 7] = data.codes(data.ATTRACTORS, "undecided")
+    growth = response["Omega"] + 0.0 * response["N0"] - response["Omega"][5]
+    status = response["status"].isel(initial=0, drop=True)
+    beside = xr.Dataset({"status": status, "growth_rate": growth}, attrs=response.attrs)
+    asked = figure("map", x="Omega", y="N0", variable="attractor", level={"growth_rate": 0.01})
+    for lines in (True, False):
+        settings = asked if lines else figure("map", x="Omega", y="N0", variable="attractor")
+        ax = draw({"response": response, "eigenvalues": beside}, settings).axes[0]
+        dots = [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "s"]
+        place = [float(response["Omega"][5]), float(response["N0"][7])]
+        assert dots == [[place]] * (marked and lines)
 
 
 def test_a_level_that_no_line_has_is_told_also_where_a_figure_has_no_title(stored):

@@ -83,12 +83,12 @@ def broken(
 ) -> Iterator[str]:
     """Which levels have a line with gaps at `undecided` points, shape (points along y, along x)."""
     for number, level in enumerate(levels):
-        gaps = sum(
-            _gaps(plane, level, unsure)
+        ends = sum(
+            _ends(plane, level, unsure)
             for panel, unsure in zip(panels, undecided, strict=True)
             for plane in panel[number]
         )
-        if gaps:
+        if ends > 1:
             yield (
                 f"{words(array, level, levels)}: its line has gaps, where points are undecided; a "
                 "longer t_max of the analysis decides most"
@@ -102,15 +102,32 @@ def _crossed(plane: np.ndarray, level: float) -> np.ndarray:
     return np.concatenate([np.ravel((step < 0).any(axis=0)) for step in steps])
 
 
-def _gaps(plane: np.ndarray, level: float, undecided: np.ndarray) -> int:
-    """In how many cells, with two points undecided, the level lies between the two others."""
-    if min(undecided.shape) < 2:
-        return 0
+def _ends(plane: np.ndarray, level: float, undecided: np.ndarray) -> int:
+    """How often a line ends inside a plane because what lies ahead is undecided.
+
+    It ends between two known neighbours on either side of the level: of a row, a column, or across
+    the corner of a cell that is not known (there it leads through triangles).
+    """
     whole = np.where(np.isfinite(plane).any(axis=0), np.nansum(plane, axis=0), np.nan)
-    unsure, values = (sliding_window_view(one, (2, 2)).reshape(-1, 4) for one in (undecided, whole))
-    values = values[(unsure & np.isnan(values)).sum(axis=1) == 2]
-    values = values[np.isfinite(values).sum(axis=1) == 2]
-    return int(_passed(values, level).sum())
+    unsure = undecided & np.isnan(whole)
+    if min(whole.shape) < 2:
+        return 0
+    both = (whole, unsure), (whole.T, unsure.T)
+    of_rows = sum(_ends_beside_rows(*one, level) for one in both)
+    cells, ahead = (sliding_window_view(one, (2, 2)).reshape(-1, 4) for one in (whole, unsure))
+    alone = ahead.any(axis=1) & (np.isnan(cells).sum(axis=1) == 1)
+    outer = np.isnan(cells[:, [0, 3]]).any(axis=1, keepdims=True)
+    across = np.where(outer, cells[:, [1, 2]], cells[:, [0, 3]]) > level  # corners beside that one
+    return of_rows + int((alone & (across[:, 0] != across[:, 1])).sum())
+
+
+def _ends_beside_rows(values: np.ndarray, unsure: np.ndarray, level: float) -> int:
+    """Of the lines that pass between two neighbours of a row, to the rows beside it."""
+    above = values > level
+    passed = np.isfinite(values[:, 1:] + values[:, :-1]) & (above[:, 1:] != above[:, :-1])
+    unknown = np.isnan(values[:, 1:]) & np.isnan(values[:, :-1])
+    stops = unknown & (unsure[:, 1:] | unsure[:, :-1])
+    return int((passed[1:] & stops[:-1]).sum() + (passed[:-1] & stops[1:]).sum())
 
 
 def beside(plane: np.ndarray, level: float) -> str:

@@ -50,6 +50,7 @@ MOST_PLACES, MOST_ELSEWHERE = 300, 5000
 STEP = 0.25  # between points of other lines, in heights of letters
 # Heights of letters between a short line and its level beside it; ways there; places tried.
 BY, MOST_BESIDE = 0.3, 30
+ENOUGH = 0.5  # of these heights, by which another line is further off: then rather at the middle
 WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (0, 1)], float)
 PAD = 0.25  # around a level that is written, in heights of its letters
 WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.5}
@@ -341,7 +342,9 @@ def _write_beside(
     inside = (ax.bbox.min + half <= places) & (places <= ax.bbox.max - half)
     free = inside.all(axis=1) & ~upon & (2.0 * gaps[0] < gaps[1])
     hides = _gaps(places, half, hidden) == 0.0
-    best = np.flatnonzero(free)[np.lexsort(((gaps[0] - gaps[1])[free], hides[free]))[:1]]
+    off = np.round(gaps[0] / (BY * height))  # what is off its line may be of another
+    near = -np.minimum(gaps[1] - gaps[0], ENOUGH * height)
+    best = np.flatnonzero(free)[np.lexsort([key[free] for key in (near, off, hides)])[:1]]
     for x, y in ax.transData.inverted().transform(places[best]):
         look = {"ha": "center", "va": "center", "bbox": WHITE, "zorder": OVER_MARKS}
         size = mpl.rcParams["legend.fontsize"]

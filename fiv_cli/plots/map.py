@@ -43,6 +43,8 @@ MOST_COLUMNS = 3
 SIDE = 6  # letters beside a panel that its ticks take
 MOST_FOLDED = 1.5  # lines that a label of one of several panels may take, else its symbol alone
 HATCH = "////"
+UNDECIDED = "undecided"
+FINE = 40  # points along an axis, of which more have cells as narrow as a line
 MOST_COUNTS = 12  # that have a shade each
 MIDDLE = "undecided points: middle of least and greatest"
 # Whether there is less, and more, than a colour bar holds -> how that is shown.
@@ -203,7 +205,7 @@ class _Lines:
         """Which lines the grid does not tell apart, and which have gaps."""
         array, ends = self.planes.array, self.ends
         yield from level_notes.crowded(array, ends, self.levels)
-        unsure = points.gaps(self.planes.dataset).get("undecided", array.isnull() & False)
+        unsure = points.gaps(self.planes.dataset).get(UNDECIDED, array.isnull() & False)
         undecided = [self.planes.of(unsure, panel) for panel in self.planes.panels]
         yield from level_notes.broken(array, ends, self.levels, undecided)
 
@@ -438,6 +440,7 @@ def _paint_classes(
     present = {code: name for code, name in names.items() if bool((known & (array == code)).any())}
     colours = style.class_colours(list(present.values()))
     order = [colours[list(present).index(code)] for code in sorted(present)]
+    codes = {name: code for code, name in present.items()}
     for ax, panel in zip(axes, planes.panels, strict=False):
         place = np.searchsorted(sorted(present), planes.of(array, panel)).astype(float)
         place[~planes.of(known, panel)] = np.nan
@@ -445,11 +448,21 @@ def _paint_classes(
             norm = BoundaryNorm(_edges(len(order)), len(order))
             planes.mesh(ax, place, cmap=ListedColormap(order), norm=norm)
         hatch(ax, np.isnan(place))
+        if lines and UNDECIDED in present.values() and max(place.shape) > FINE:
+            _mark_covered(ax, planes, place == sorted(present).index(codes[UNDECIDED]))
     handles = [
         Patch(color=colour, label=name.replace("_", " "))
         for colour, name in zip(colours, present.values(), strict=True)
     ]
     legend_below(figure, [*handles, *lines], why_missing(dataset, known))
+
+
+def _mark_covered(ax: Axes, planes: _Planes, undecided: np.ndarray) -> None:
+    """Undecided points of a fine map, whose cells the lines on it may cover."""
+    (rows, columns), (x, y) = np.nonzero(undecided), planes.places
+    look: dict[str, Any] = {"color": style.CLASSES[UNDECIDED], "mec": style.BLACK, "mew": 0.4}
+    told = points.unlisted(UNDECIDED)
+    ax.plot(x[columns], y[rows], "s", ms=2.5, ls="none", label=told, zorder=4, **look)
 
 
 def _edges(count: int) -> np.ndarray:
@@ -483,7 +496,7 @@ def _decided(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {
         name.replace("_", " "): answered & (dataset["attractor"] == code)
         for code, name in classes.items()
-        if name not in ("undecided", NOT_COMPUTED)
+        if name not in (UNDECIDED, NOT_COMPUTED)
     }
 
 
@@ -534,7 +547,7 @@ def _paint_numbers(
         handles = [*handles, Patch(color=BELOW, label=f"{own} {sign} 0")]
     unbounded = bool((unsure & values.isnull()).any())
     why = why_missing(planes.dataset, values.notnull())
-    if "undecided" not in why:
+    if UNDECIDED not in why:
         why = points.joined(why, "undecided points" if unbounded else "")
     missing = "" if bool(values.notnull().all()) else f"no value{': ' * bool(why)}{why}"
     told = [*handles, *_mark_undecided(axes, planes, values.notnull())]
@@ -587,5 +600,5 @@ def _unsure(planes: _Planes) -> dict[str, xr.DataArray]:
     """Why -> numbers of motions that had not settled, and what is taken over such."""
     gaps = points.gaps(planes.dataset)
     low, high = ends_of(planes.dataset, str(planes.array.name))
-    own = {"undecided": gaps["undecided"]} if "undecided" in gaps else {}
+    own = {UNDECIDED: gaps[UNDECIDED]} if UNDECIDED in gaps else {}
     return own | {MIDDLE: low < high}
