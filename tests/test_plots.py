@@ -4774,6 +4774,17 @@ def test_a_figure_may_have_a_title_of_its_own():
     assert draw(data.bifurcation(), figure("curve")).get_suptitle() == "A sweep (Figure 7.6)"
 
 
+def test_what_a_file_differs_in_is_named_once():
+    """Though it is an axis of one value, which the title names by itself."""
+    axes = data.axes(c=[0.5], Omega=[1.0, 2.0])
+    dataset = data.response(np.full((1, 2), "periodic"), np.ones((1, 2)), axes)
+    own = points.title(dataset)
+    assert "$c$ = 0.5" in own
+    assert points.title(dataset.assign_attrs(differs="$c$ = 0.5, $k$ = 2 N/m")) == (
+        f"{own}, $k$ = 2 N/m"
+    )
+
+
 def test_a_figure_names_the_parameters_that_were_set_by_hand():
     """The title of the case is that of another value; in one figure lines are called by it."""
     both = []

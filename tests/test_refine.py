@@ -285,6 +285,29 @@ def test_what_cannot_be_refined_is_refused(change: tuple[str, str], message: str
     assert "fake.toml:" in str(caught.value)
 
 
+def test_whole_numbers_have_none_between_them_and_the_axes_to_halve_are_to_be_named() -> None:
+    text = """schema = 1
+[model]
+name = "belt-1dof"
+[friction]
+law = "stribeck"
+[grid]
+v = [0.5, 1.0, 1.5]
+delta = [1, 2]
+[sweep]
+refine = { levels = 1ALONG }
+[[initial]]
+kind = "equilibrium"
+[[analysis]]
+kind = "response"
+"""
+    with pytest.raises(CaseError, match=r"cannot be halved: 1\.5 is not a whole") as caught:
+        make_plan(parse_case(text.replace("ALONG", ""), "a.toml"))
+    assert "along = [" in str(caught.value)
+    named = parse_case(text.replace("ALONG", ', along = ["v"]'), "a.toml")
+    assert [len(axis.values) for axis in named.axes] == [5, 2]
+
+
 def test_a_single_point_is_run_alone(tmp_path: Path) -> None:
     case = sweep_fakes.case(sweep_fakes.REFINED, "grid.N=[3.0]", "grid.v=[2.0]")
     assert run_case(case, tmp_path / "a.nc", HERE, Silent()).ran == 2

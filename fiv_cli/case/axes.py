@@ -43,6 +43,14 @@ class Span:
         """The values, each the nearest double."""
         return self._logarithmic() if self.logarithmic else self._linear()
 
+    @property
+    def second(self) -> float:
+        """The value after the first."""
+        share, span = Fraction(1, max(self.count - 1, 1)), self.stop - self.start
+        if self.logarithmic:
+            return float(self.start) * float(self.stop / self.start) ** float(share)
+        return float(self.start + share * span)
+
     def halved(self, times: int) -> Span:
         """The same stretch with the spacing halved so often; its values stay among the new ones."""
         return replace(self, count=(self.count - 1) * 2**times + 1)

@@ -63,7 +63,9 @@ def _halved(axis: Candidate, levels: int, report: Report) -> Candidate:
         if isinstance(written, Span) and written.start > written.stop:
             raise AxisError("its values do not rise evenly")
         if isinstance(written, Span):
-            return replace(axis, written=written.halved(levels))
+            finest = written.halved(levels)
+            _refuse_halves(axis, written, finest)
+            return replace(axis, written=finest)
     except AxisError as error:
         report.add(
             axis.place,
@@ -74,6 +76,15 @@ def _halved(axis: Candidate, levels: int, report: Report) -> Candidate:
     except ValueError:
         pass  # a value that is no number is noted where the values are read
     return axis
+
+
+def _refuse_halves(axis: Candidate, written: Span, finest: Span) -> None:
+    """AxisError where a value is allowed, and one on the way to it is not: whole numbers."""
+    axis.read(written.second)  # what is noted where the values are read
+    try:
+        axis.read(finest.second)
+    except ValueError as error:
+        raise AxisError(str(error)) from None
 
 
 def refuse_along_chains(

@@ -364,10 +364,9 @@ def title(dataset: xr.Dataset, *others: xr.Dataset) -> str:
     alone = [axis for axis in alone if all(_has_no_other(one, axis) for one in others)]
     changed = [labels.value_label(one, one.item()) for one in _set_by_hand(dataset)]
     words = [*(_alone(axis) for axis in alone), str(dataset.attrs.get("of_several", "")), *changed]
-    words += [
-        str(dataset.attrs.get("differs", "")),
-        *["settled"] * all(map(is_settled, (dataset, *others))),
-    ]
+    differs = str(dataset.attrs.get("differs", "")).split(", ")
+    words += [word for word in differs if word not in words]
+    words += ["settled"] * all(map(is_settled, (dataset, *others)))
     words.append(str(dataset.attrs.get("without", "")))
     return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
 
