@@ -51,6 +51,21 @@ def test_two_belts_of_one_speed_are_one(load: float, curve: Any) -> None:
         np.testing.assert_allclose(own, one.measures.shares[0], atol=1e-9)
 
 
+@pytest.mark.parametrize("speed", [0.0, 1e-9, -1e-9, 1e-5])
+@pytest.mark.parametrize(("start", "rest"), [(20.0, -2.0), (-20.0, 2.0), (25.9, 1.9)])
+def test_slips_of_two_contacts_reverse_together_at_rest(
+    speed: float, start: float, rest: float
+) -> None:
+    """On belts that stand, or nearly, all velocities vanish where the mass turns, and each swing
+    is by 2 mu_k N / k shorter: 20, -14, 8, -2."""
+    given = {"N1": 4.0, "N2": 6.0, "V1": speed, "V2": speed, "k": 1.0, "m": 1.0, **MU}
+    begun = motion(ON_TWO_BELTS, start={"x": start}, **given)
+    begun.run(40.0)
+    assert begun.y[0] == pytest.approx(rest, abs=1e-10 + 100.0 * abs(speed))
+    found = api.analyse(ON_TWO_BELTS, "coulomb", "response", {"x": start}, {"t_max": 60.0}, **given)
+    assert found.status == "ok"
+
+
 def test_what_holds_jointly_is_shared_as_it_can_be_borne() -> None:
     begun = motion(ON_TWO_BELTS, start={"x_dot": 1.0}, **MU)
     taken = samples_at(begun.system, np.linspace(0.0, 3.9, 14))

@@ -693,7 +693,8 @@ def let_go(run: Run) -> int:
 
 @native
 def slip_velocity(run: Run, y: Floats, contact: int, is_struck: bool, zero: float) -> float:
-    """v_rel of a contact; zero when it is within `zero` of all velocities."""
+    """v_rel of a contact; zero when it is within `zero` of all velocities, and of what they change
+    by over a step: all of them may vanish (test_slips_of_two_contacts_reverse_together_at_rest)."""
     index, outputs = state_index(run.kinds, run.n_contacts), run.outputs
     # What is struck need not stick; one at rest that cannot stick slides, one way or the other.
     if is_struck or run.taylor[index] == 0:
@@ -702,7 +703,7 @@ def slip_velocity(run: Run, y: Floats, contact: int, is_struck: bool, zero: floa
     v = outputs[run.contact_place[index] + PER_CONTACT * contact + SLIP_VELOCITY]
     scale = 0.0
     for i in range(run.n_coordinates, run.n_states):
-        scale += abs(y[i])
+        scale += abs(y[i]) + abs(run.last_step * outputs[run.n_states + i])
     return 0.0 if abs(v) <= zero * scale else v
 
 
