@@ -3302,6 +3302,7 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
     (tmp_path / "runs").mkdir()
     crit.to_netcdf("runs/crit.nc")
     response = with_growth()["response"]
+    response["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")  # none is marked
     axes = {"x": "N0", "y": "Omega"} if turned else {"x": "Omega", "y": "N0"}
     drawn = draw(response, figure("map", **axes, level={"crit:critical_value": "N0"}))
     plain = draw(response, figure("map", **axes))

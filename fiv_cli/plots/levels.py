@@ -46,7 +46,7 @@ MOST_WRITTEN = 4  # times each of several levels: on its longest lines, not on e
 # Of a panel's width and height: levels that take more hide what they name; the legend tells them.
 LARGEST = np.array([0.16, 0.3])
 TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
-MOST_PLACES, MOST_ELSEWHERE = 300, 5000
+MOST_PLACES, MOST_ELSEWHERE = 150, 5000
 STEP = 0.25  # between points of other lines, in heights of letters
 # Heights of letters between a short line and its level beside it; ways there; places tried.
 BY, MOST_BESIDE = 0.3, 30
@@ -295,9 +295,8 @@ def _name(
         taken = [*written, *(place for _, _, places in found for place in places)]
         text = labels.number_text(level, levels)
         rooms = (
-            _rooms(ax, lines, text, (others, shares), [*crossing, *hidden], taken)
+            _rooms(ax, lines, text, (others, shares), [*crossing, *marks], taken)
             for shares in (CLEAR, ALIKE)
-            for hidden in (marks, ())  # better no mark lies beneath a level
         )
         found.append((lines, level, next(filter(None, rooms), [])[:most]))
     size = mpl.rcParams["legend.fontsize"]
@@ -327,7 +326,7 @@ def _write_beside(
     """Write a level beside its longest line, which is too short to have it on it; whether it does.
 
     Next to its middle, or where else it lies upon no line and no other level, and nearer to its own
-    line than to `others`; if it can be, upon none of the `marks`.
+    line than to `others`, and upon none of the `marks`.
     """
     height, half, pixels = _height(ax), _half_of(ax, text), ax.transData.transform
     own, far, hidden = (_lying(ax, pieces) for pieces in (_pieces(lines), others, marks))
@@ -340,11 +339,11 @@ def _write_beside(
     upon |= _gaps(places, 2.0 * half, texts) == 0.0  # of boxes as large
     gaps = [_gaps(places, half, one) for one in (own, far)]
     inside = (ax.bbox.min + half <= places) & (places <= ax.bbox.max - half)
+    upon |= _gaps(places, half, hidden) == 0.0
     free = inside.all(axis=1) & ~upon & (2.0 * gaps[0] < gaps[1])
-    hides = _gaps(places, half, hidden) == 0.0
     off = np.round(gaps[0] / (BY * height))  # what is off its line may be of another
     near = -np.minimum(gaps[1] - gaps[0], ENOUGH * height)
-    best = np.flatnonzero(free)[np.lexsort([key[free] for key in (near, off, hides)])[:1]]
+    best = np.flatnonzero(free)[np.lexsort([key[free] for key in (near, off)])[:1]]
     for x, y in ax.transData.inverted().transform(places[best]):
         look = {"ha": "center", "va": "center", "bbox": WHITE, "zorder": OVER_MARKS}
         size = mpl.rcParams["legend.fontsize"]
@@ -393,8 +392,8 @@ def _rooms(
     chosen: list[np.ndarray] = []
     roomiest: tuple[float, list[np.ndarray]] = (LEAST_ROOM * length, [])
     for whole in sorted(_pieces(lines), key=lambda one: -_extent(pixels(one)))[:MOST_WRITTEN]:
-        piece = _thinned(whole, MOST_PLACES)
-        along = pixels(piece)
+        along = _thinned(_dense(pixels(whole), STEP * height), MOST_PLACES)
+        piece = ax.transData.inverted().transform(along)
         apart = _distances(along, [along[0], along[-1]])
         ahead = np.abs(_directions(along))
         half = box[0] * ahead + box[1] * ahead[:, ::-1]
