@@ -329,6 +329,10 @@ def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
         at = at[np.isfinite(at[:, 1])]  # from where the cycle is born
         expected = [[4.38133283987, 0.0], [5.0, 0.0], [6.0, 0.0]] if rests else np.zeros((0, 2))
         np.testing.assert_allclose(at, expected, atol=1e-6)
+        stable = [line for line in ax.lines if "_stable equilibrium" in str(line.get_label())]
+        places = [line.get_xydata()[np.isfinite(line.get_ydata())].tolist() for line in stable]
+        met = [[4.0, 0.0], [pytest.approx(4.38133283987, abs=1e-6), 0.0]]
+        assert places == ([met] if rests else [])
         drawn = [line.get_xydata() for line in ax.lines if "stable cycle" in str(line.get_label())]
         (own,) = (line[np.isclose(line[:, 0], 5.0)] for line in drawn if 5.0 in line[:, 0])
         steady = found["response"][name].sel(mu_k=5.0).squeeze()

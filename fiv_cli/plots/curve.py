@@ -54,6 +54,7 @@ ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  
 CAP = 2.0  # half the width of the ends of error bars, pt
 UPON = 1e-6  # relative: values that differ by less are drawn at one place
 UNSEEN = 5e-3  # of all that a panel shows: an error bar that is shorter has no ends
+RESTS = {"stable": "-", "unstable": ":"}  # their dashes, which are no cycles'
 BRANCH = 1.8  # as wide as other lines, which lie over it: it is seen beside these
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
 NARROW = 2.5e-3  # of the greatest value: half of what may be, that is told by an error bar
@@ -254,7 +255,7 @@ def _lines(
             yield from ((place, curve) for curve in curves)
             if rest and name.endswith(AMPLITUDE):
                 births = _births(parts[name].values(), axis, name.removesuffix(AMPLITUDE))
-                yield from ((place, curve) for curve in _unstable_rests(part, axis, births))
+                yield from ((place, curve) for curve in _rests(part, axis, births))
 
 
 def _births(layers: Iterable[points.Layer], axis: xr.DataArray, observed: str) -> np.ndarray:
@@ -264,28 +265,31 @@ def _births(layers: Iterable[points.Layer], axis: xr.DataArray, observed: str) -
     return np.concatenate([np.zeros(0), *map(branch.births, along)])
 
 
-def _unstable_rests(
-    layer: points.Layer, axis: xr.DataArray, births: np.ndarray
-) -> Iterator[_Curve]:
-    """The equilibria of a case that no motion comes to, whose amplitude is none: what eigenvalues
-    tell of them, along an axis, and `births` of cycles where they turn unstable."""
+def _rests(layer: points.Layer, axis: xr.DataArray, births: np.ndarray) -> Iterator[_Curve]:
+    """The equilibria of a case, whose amplitude is none: what eigenvalues tell of them, along an
+    axis, and `births` of cycles where they turn stable or unstable.
+
+    Motions come to the stable ones, but not up to where these end.
+    """
     told = (one for one in layer.beside if {"stable", "growth_rate"} <= {*one})
     judged = next((one for one in told if select.has_axis(one, str(axis.name))), None)
     if judged is None:
         return
     own = select.axis_of(judged, str(axis.name))
     x, dim = points.positions(own), str(own.dims[0])
-    unstable = is_class(judged["stable"], ("unstable",))
-    known = is_class(judged["stable"], ("stable", "unstable"))
-    for line in points.lines(judged, [dim], points.grid_dims(judged)):
-        every = np.where(known.isel(line.index).values, 0.0, np.nan)
-        y = np.where(unstable.isel(line.index).values, 0.0, np.nan)
-        if np.isfinite(y).any():
-            at, y, _ = up_to_turns(births, x, every, y) if births.size else (x, y, ())
-            what = at, y, np.zeros(at.size, bool), (y, y), np.zeros(at.size)
-            look: dict[str, Any] = {"dash": ":", "mark": {"marker": "None"}}  # not as cycles
-            words = {DATASET: layer.label, **line.words}
-            yield _Curve(words, *what, **look, sort="unstable equilibrium")
+    known = is_class(judged["stable"], (*RESTS,))
+    for word, dash in RESTS.items():
+        of_word = is_class(judged["stable"], (word,))
+        for line in points.lines(judged, [dim], points.grid_dims(judged)):
+            every, y = (
+                np.where(one.isel(line.index).values, 0.0, np.nan) for one in (known, of_word)
+            )
+            if np.isfinite(y).any():
+                at, y, _ = up_to_turns(births, x, every, y) if births.size else (x, y, ())
+                what = at, y, np.zeros(at.size, bool), (y, y), np.zeros(at.size)
+                look: dict[str, Any] = {"dash": dash, "mark": {"marker": "None"}}
+                words = {DATASET: layer.label, **line.words}
+                yield _Curve(words, *what, **look, sort=f"{word} equilibrium")
 
 
 def _each_once(drawn: Sequence[tuple[int, _Curve]]) -> list[tuple[int, _Curve]]:
