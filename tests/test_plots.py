@@ -4786,6 +4786,17 @@ def test_what_a_file_differs_in_is_named_once():
     )
 
 
+@pytest.mark.parametrize(
+    ("direction", "told"), [("both", ""), ("up", ", rising"), ("down", ", falling")]
+)
+def test_values_are_told_with_the_section_that_they_are_passed_at(direction, told):
+    section = {"kind": "zero", "state": "phi_dot", "direction": direction, "contact": 1}
+    analyses = {"response": {"kind": "response", "settings": {"section": section}}}
+    dataset = data.bifurcation().assign_attrs(analyses_json=json.dumps(analyses))
+    (ax,) = draw(dataset, figure("bifurcation")).axes
+    assert ax.get_ylabel() == rf"$\varphi$ at $\dot{{\varphi}}$ = 0{told} (rad)"
+
+
 def test_a_figure_names_the_parameters_that_were_set_by_hand():
     """The title of the case is that of another value; in one figure lines are called by it."""
     both = []

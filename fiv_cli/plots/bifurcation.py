@@ -57,6 +57,7 @@ SECTION_WORDS = {
     "turning_point": "a turning point",
     "impact": "an impact",
 }
+PASSING = {"up": ", rising", "down": ", falling", "both": ""}
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
 TURNS_HERE = "equilibrium turns unstable"
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
@@ -780,13 +781,16 @@ def _sections(dataset: xr.Dataset, kind: str) -> set[tuple[object, ...]]:
         chosen = set(zip(kinds.tolist(), np.nan_to_num(contacts).tolist(), strict=True))
         return {one for one in chosen if one[0] != SECTION.fill}
     asked = [one["settings"].get("section") for one in _analyses(dataset) if one["kind"] == kind]
-    return {
-        (section["event"].replace("->", "_to_"), section["contact"])
-        if section.get("kind") == "event"
-        else tuple(section.values())
-        for section in asked
-        if section
-    }
+    return {_of_section(section) for section in asked if section}
+
+
+def _of_section(section: Mapping[str, Any]) -> tuple[object, ...]:
+    """What a section is asked to be: its event and contact, or its state and direction."""
+    if section.get("kind") == "event":
+        return section["event"].replace("->", "_to_"), section["contact"]
+    if section.get("kind") == "zero":
+        return "zero", section["state"], section["direction"]
+    return tuple(section.values())
 
 
 def _section_words(shown: Sequence[points.Layer]) -> str:
@@ -795,7 +799,9 @@ def _section_words(shown: Sequence[points.Layer]) -> str:
     Of a model of several contacts it is told which.
     """
     sections = {one for layer in shown for one in _sections(layer.dataset, "response")}
-    kind, contact = next(iter(sections))[:2] if len(sections) == 1 else ("", 1)
+    kind, contact, *of = next(iter(sections)) if len(sections) == 1 else ("", 1)
+    if kind == "zero":
+        return f"${labels.symbol_of_name(str(contact))}$ = 0{PASSING[str(of[0])]}"
     if kind not in SECTION_WORDS:
         return "the section"
     several = any(layer.dataset.sizes.get("contact", 1) > 1 for layer in shown)
