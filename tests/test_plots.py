@@ -839,10 +839,9 @@ def test_no_mark_among_dots_is_a_dot():
 
 
 def dots_of(drawn):
-    """The lines of full dots."""
-    return [
-        line for line in drawn.axes[0].lines if line.get_marker() == "." and line.get_xdata().size
-    ]
+    """The lines of full dots, but those that stand for a crowd in one place."""
+    dots = (line for line in drawn.axes[0].lines if line.get_marker() == ".")
+    return [line for line in dots if len(line.get_xdata()) and line.get_label() != DECORATION]
 
 
 def marked(drawn):
@@ -1965,6 +1964,21 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
         "$\\Omega$ at which the answer changes",
     ]
     assert {line.get_marker() for line in ax.lines if len(line.get_xdata())} == {"o", "_"}  # caps
+
+
+def test_a_file_without_the_variable_of_a_curve_shows_its_own_number():
+    """Of the same unit in the same panel: a border and the critical value beside it."""
+    axes = data.axes(Omega=[1.0, 2.0, 3.0])
+    status = data.statuses(("Omega",), np.full(3, "ok"))
+    names = {"boundary": "boundary", "critical_value": "critical value of c"}
+    sources = []
+    for name, words_ in names.items():
+        values = (("Omega",), [3.0, 2.0, 1.0], {"units": "N s m-1", "long_name": words_})
+        attributes = data.attributes() | {"law": name}
+        sources.append((name, xr.Dataset({name: values, "status": status}, axes, attributes)))
+    drawn = draw(sources, figure("curve", variable="boundary"))
+    (ax,) = drawn.axes
+    assert len([line for line in ax.lines if np.isfinite(line.get_ydata()).any()]) == 2
 
 
 def test_of_several_files_each_shows_those_variables_of_a_curve_that_it_has():

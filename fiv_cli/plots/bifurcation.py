@@ -45,6 +45,7 @@ DOTS_BETWEEN = 4  # marks, or more: at every second place they would look like a
 # Of the key of marks that stand among dots: these to both sides.
 AMONG_DOTS: dict[str, Any] = {"ls": (0, (0.01, 3.5)), "lw": 1.3, "dash_capstyle": "round"}
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
+ONE_PLACE = 0.01  # of the extent of a cloud: values that lie so close are one mark
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 UNSETTLED = "values where undecided"
@@ -439,6 +440,18 @@ def _mark_crowds(
         if part.any():
             label = DECORATION if turn else points.unlisted(entry.label, told)
             ax.plot(cloud.x[part], cloud.y[part], color=colour, label=label, **look)
+    if not turn and (gathered := _gathered(cloud)).size:
+        wide: dict[str, Any] = {**style.mark_of(0, 1, SEEN_ON_LINES), "ls": "none", "zorder": 3.8}
+        ax.plot(*gathered, color=style.pale(entry.colour), label=DECORATION, **wide)
+
+
+def _gathered(cloud: _Cloud) -> np.ndarray:
+    """Undecided values that crowd in one place, as on the way to rest, shape (2, places)."""
+    here = cloud.crowded & cloud.undecided
+    whole = np.ptp([*cloud.y, *cloud.rest_y]) if here.any() else 0.0
+    columns = [(x, cloud.y[here & (cloud.x == x)]) for x in np.unique(cloud.x[here])]
+    near = [(x, float(np.median(y))) for x, y in columns if np.ptp(y) < ONE_PLACE * whole]
+    return np.array(near).T
 
 
 def _mark_rests(

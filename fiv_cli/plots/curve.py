@@ -109,7 +109,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     axis = points.abscissa(layers[0].dataset, settings)
     settings = {**settings, "x": str(axis.name)}  # of every analysis and file
     layers = _alone_unnamed(layers, axis)
-    names = variables_of(layers, settings)
+    names = _of_each(layers, variables_of(layers, settings), axis)
     parts = {name: _having(layers, name) for name in names}
     for number, layer in enumerate(layers):
         _refuse_without(layer, [name for name, own in parts.items() if number in own], parts)
@@ -191,13 +191,24 @@ def _first(parts: _Parts) -> points.Layer:
     return next(iter(parts.values()))
 
 
+def _of_each(layers: Sequence[points.Layer], names: Sequence[str], axis: xr.DataArray) -> list[str]:
+    """The variables and, of each file along the axis that has none of them, its own number."""
+    own = [
+        next((n for n in _headlines(one.dataset) if not flag_names(one.dataset[n].attrs)), "")
+        for one in layers
+        if select.has_axis(one.dataset, axis.name)
+        and not any(name in part for part in (one.dataset, *one.beside) for name in names)
+    ]
+    return [*dict.fromkeys([*names, *filter(None, own)])]
+
+
 def _refuse_without(layer: points.Layer, has: Sequence[str], names: Iterable[str]) -> None:
     """Raise a UsageError where a dataset has nothing of what is drawn."""
     if not has:
         raise UsageError(
             f"{layer.label}: no {' or '.join(names)}, which this curve shows of the other "
-            "datasets\nnext: draw it alone (fiv plot FILE.nc), or say in the figure which variable "
-            f"each has; it has {listed(headlines(layer.dataset))}"
+            "datasets\nnext: draw it alone (fiv plot FILE.nc); it has "
+            f"{listed(headlines(layer.dataset))}"
         )
 
 

@@ -408,7 +408,7 @@ def _of_maps(
         most = analysis.size / cost.points[1]
         cost = Cost(*((least, high * most) for least, high in cost))
     seconds = [high for _, (_, high) in costs]
-    several = len(costs) > 1 and cost.seconds[1] < inf
+    several = len(costs) > 1 and 0.0 < cost.seconds[1] < inf  # of what is stored none costs any
     apart = float(np.std(seconds, ddof=1) / np.mean(seconds)) if several else 1.0
     error = apart * sqrt((1.0 - len(costs) / many) / len(costs))
     tried = sum(int(drawing.was_run.sum()) for drawing in drawings)

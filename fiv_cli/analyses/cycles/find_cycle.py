@@ -148,8 +148,8 @@ def _course(
         return ""
     course, size = ("dies away", "greater") if last < first else ("grows", "smaller")
     return (
-        f"; over its first returns it swings by {first:.3g}, later by {last:.3g}: it {course}, and "
-        f"a cycle that repels would be {size}"
+        f"; over its first returns it swings by {first:.3g}, later by {last:.3g}: so far it "
+        f"{course}, to where a longer t_max shows; a cycle that repels would be {size}"
     )
 
 
