@@ -3075,6 +3075,17 @@ def test_gaps_of_a_line_where_points_are_undecided_are_told():
     assert note.startswith("$L_s$ = 0.63") and "its line has gaps" in note
 
 
+def test_islands_that_the_grid_does_not_tell_are_told():
+    """On a ridge across the grid each of its points is one."""
+    dataset = data.stability_map(initial=("reached",), nx=20, ny=20)
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 20), np.linspace(0.0, 1.0, 20), indexing="ij")
+    for sharp, told in ((300.0, True), (3.0, False)):
+        dataset["L_s"].values[:] = np.exp(-sharp * (x - y) ** 2)[..., None]
+        notes = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.6])))
+        assert [note for note in notes if " islands of 3 points or fewer" in note] == notes
+        assert bool(notes) == told
+
+
 @pytest.mark.parametrize(("points", "marked"), [(20, False), (60, True)])
 def test_undecided_points_are_seen_beneath_lines_on_a_fine_map_of_classes(points, marked):
     """Their cells are as narrow as a line, and lie where one is drawn: at a border."""

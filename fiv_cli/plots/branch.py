@@ -112,24 +112,24 @@ def _each_once(dataset: xr.Dataset) -> Iterator[points.Line]:
             yield from own
 
 
-def lines_apart(dataset: xr.Dataset) -> list[points.Line]:
+def lines_apart(dataset: xr.Dataset) -> Iterator[points.Line]:
     """Every branch but those that lie on that of another start: dashes over dashes would be a line.
 
     Of two that are one and the same that of the later start.
     """
-    lines = [*_each_once(dataset)]
-    paths = [_line(dataset, line.index) for line in lines]
-    places = [{**line.index, "initial": 0} for line in lines]
-
-    def lies_on(one: int, other: int) -> bool:
-        return places[one] == places[other] and _lies_on(paths[one], paths[other], 1.0)
-
-    covered = {
-        one
-        for one, other in permutations(range(len(lines)), 2)
-        if lies_on(one, other) and (other < one or not lies_on(other, one))
-    }
-    return [line for number, line in enumerate(lines) if number not in covered]
+    beside: dict[tuple[tuple[str, int], ...], list[points.Line]] = {}
+    for line in _each_once(dataset):
+        rest = tuple((dim, at) for dim, at in line.index.items() if dim != "initial")
+        beside.setdefault(rest, []).append(line)
+    for own in beside.values():
+        paths = [_line(dataset, line.index) for line in own]
+        covered = {
+            one
+            for one, other in permutations(range(len(own)), 2)
+            if _lies_on(paths[one], paths[other], 1.0)
+            and (other < one or not _lies_on(paths[other], paths[one], 1.0))
+        }
+        yield from (line for number, line in enumerate(own) if number not in covered)
 
 
 def _branch(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import label
 
 from fiv_cli.notation.names import listed
 from fiv_cli.plots import labels
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CROWDED = 0.5  # of the steps of the grid that a line crosses: another level lies in them, too
+ISLAND, MANY_ISLANDS = 3, 4  # points of the grid; islands of which a line has no few
 NOT_KNOWN = "not known"
 NO_CELLS = np.empty((0, 4))
 IN_A_ROW = "passed in one row of points alone (a line leads between two)"
@@ -93,6 +95,27 @@ def broken(
                 f"{words(array, level, levels)}: its line has gaps, where points are undecided; a "
                 "longer t_max of the analysis decides most"
             )
+
+
+def scattered(
+    array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]
+) -> Iterator[str]:
+    """Which levels have a line in islands that are no larger than the grid tells, as on a ridge."""
+    for number, level in enumerate(levels):
+        islands = sum(_islands(plane, level) for panel in panels for plane in panel[number])
+        if islands >= MANY_ISLANDS:
+            yield (
+                f"{words(array, level, levels)}: its line falls into {islands} islands of "
+                f"{ISLAND} points or fewer, as along a ridge: a larger num, or another level"
+            )
+
+
+def _islands(plane: np.ndarray, level: float) -> int:
+    """How many groups of so few neighbours lie on one side of a level among those on the other."""
+    known, above = np.isfinite(plane).any(axis=0), (plane > level).any(axis=0)
+    groups = [label(known & side)[0] for side in (above, ~above)]
+    sizes = [np.bincount(one.ravel())[1:] for one in groups]
+    return int(sum((size <= ISLAND).sum() for size in sizes))
 
 
 def _crossed(plane: np.ndarray, level: float) -> np.ndarray:
