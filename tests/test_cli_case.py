@@ -56,6 +56,12 @@ def case(tmp_path: Path) -> Path:
 
 
 class TestHelp:
+    def test_each_command_has_the_help_option_of_fiv(self) -> None:
+        """In a process of its own: a command keeps the first that it is given."""
+        asked = "from fiv_cli.cli.main import COMMANDS, run; [run([n, '-h']) for n in COMMANDS]"
+        told = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
+        assert re.findall(r"^Usage: fiv (\S+)", told.stdout, re.MULTILINE) == [*COMMANDS]
+
     def test_help_lists_every_command(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert run(["--help"]) == 0
         out = capsys.readouterr().out

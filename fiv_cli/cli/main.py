@@ -127,7 +127,7 @@ class LazyGroup(click.Group):
             ctx.fail(f"there is no command {args[0]!r}{hint}")
         name, command, rest = super().resolve_command(ctx, args)
         if command is not None:
-            _warn_of_repeated(command, rest)
+            _warn_of_repeated(ctx, command, rest)
         return name, command, rest
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -143,9 +143,10 @@ class LazyGroup(click.Group):
         return names or click.Command.shell_complete(self, ctx, incomplete)
 
 
-def _warn_of_repeated(command: click.Command, args: list[str]) -> None:
+def _warn_of_repeated(ctx: click.Context, command: click.Command, args: list[str]) -> None:
     """Say which options are given again though one value counts; as in every shell, the last."""
-    context = click.Context(command, resilient_parsing=True)  # what is wrong is told elsewhere
+    # what is wrong is told elsewhere; the names of the help option are those of the group
+    context = click.Context(command, parent=ctx, resilient_parsing=True)
     _, _, given = command.make_parser(context).parse_args(list(args))
     for option in dict.fromkeys(given):
         if isinstance(option, click.Option) and not (option.multiple or option.is_flag):
