@@ -2893,6 +2893,7 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
         ("whole", many, 4.0 * many),
         ("few", few, 4.0 * few),
         ("leap", many, 4.0 * many + np.where(many < many[9], 20.0, 0.0)),
+        ("short", many, np.where(many < many[9], np.nan, 4.0 * many)),
     ):
         found = {"critical_value": ("Omega", values, long_name)}
         found["status"] = data.statuses(("Omega",), np.full(x.size, "ok"))
@@ -2905,6 +2906,8 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
     assert f"straight between its {few.size} values of Omega" in straight
     ends = [words.number_text(one, many.tolist()) for one in many[8:10]]
     assert f"not joined between Omega = {ends[0]} and {ends[1]}, where it steps" in apart
+    (short,) = notes["short"]
+    assert "its line ends where there is no value, at 9 places along Omega" in short
 
 
 @pytest.mark.parametrize("panels", [[True, True], [True, False], [False, False]])
@@ -3084,6 +3087,12 @@ def test_islands_that_the_grid_does_not_tell_are_told():
         notes = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.6])))
         assert [note for note in notes if " islands of 3 points or fewer" in note] == notes
         assert bool(notes) == told
+    lone = dataset.copy(deep=True)  # what lies among points that are not known may be larger
+    values = np.full(x.shape, np.nan)
+    values[::2, ::2] = (x + y)[::2, ::2]
+    lone["L_s"].values[:] = values[..., None]
+    notes = style.notes_on(draw(lone, figure("map", variable="L_s", level=[0.6])))
+    assert not [note for note in notes if "islands" in note]
 
 
 @pytest.mark.parametrize(("points", "marked"), [(20, False), (60, True)])

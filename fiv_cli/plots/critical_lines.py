@@ -67,6 +67,12 @@ class CriticalLines:
                 f"than beside it; if it is one line, more values of {along.name} in its case join "
                 "it"
             )
+        lacking = sum(int(np.isnan(values).all(axis=1).sum()) for _, values, _ in drawn)
+        if 0 < lacking < sum(len(values) for _, values, _ in drawn):
+            yield (
+                f"{self._words}: its line ends where there is no value, at {lacking} places along "
+                f"{along.name}; fiv show of its dataset says why"
+            )
         between = np.diff(np.searchsorted(np.sort(points.positions(along)), np.sort(x)))
         if between.max(initial=0) > COARSE:
             yield (

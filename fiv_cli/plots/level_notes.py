@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.ndimage import label
+from scipy.ndimage import binary_dilation, label
 
 from fiv_cli.notation.names import listed
 from fiv_cli.plots import labels
@@ -53,7 +53,7 @@ def unwritten(
     if len(drawn) > 1 and left:
         yield (
             f"{array.name} = {listed(left)}: told in the legend alone, for want of room on its "
-            "lines; more: --width, --height, fewer panels (select)"
+            "lines; more: --width, --height, fewer levels, or fewer panels (select)"
         )
 
 
@@ -86,9 +86,10 @@ def broken(
     """Which levels have a line with gaps at `undecided` points, shape (points along y, along x)."""
     for number, level in enumerate(levels):
         ends = sum(
-            _ends(plane, level, unsure)
+            _ends(part, level, unsure)
             for panel, unsure in zip(panels, undecided, strict=True)
             for plane in panel[number]
+            for part in plane
         )
         if ends > 1:
             yield (
@@ -102,7 +103,8 @@ def scattered(
 ) -> Iterator[str]:
     """Which levels have a line in islands that are no larger than the grid tells, as on a ridge."""
     for number, level in enumerate(levels):
-        islands = sum(_islands(plane, level) for panel in panels for plane in panel[number])
+        parts = (part for panel in panels for plane in panel[number] for part in plane)
+        islands = sum(_islands(part, level) for part in parts)
         if islands >= MANY_ISLANDS:
             yield (
                 f"{words(array, level, levels)}: its line falls into {islands} islands of "
@@ -110,12 +112,20 @@ def scattered(
             )
 
 
-def _islands(plane: np.ndarray, level: float) -> int:
-    """How many groups of so few neighbours lie on one side of a level among those on the other."""
-    known, above = np.isfinite(plane).any(axis=0), (plane > level).any(axis=0)
-    groups = [label(known & side)[0] for side in (above, ~above)]
-    sizes = [np.bincount(one.ravel())[1:] for one in groups]
-    return int(sum((size <= ISLAND).sum() for size in sizes))
+def _islands(part: np.ndarray, level: float) -> int:
+    """How many groups of so few neighbours lie on one side of a level among those on the other.
+
+    What lies beside a point that is not known may be larger.
+    """
+    known, above = np.isfinite(part), part > level
+    beside_unknown = binary_dilation(~known)
+    count = 0
+    for side in (known & above, known & ~above):
+        groups = label(side)[0]
+        few = np.bincount(groups.ravel()) <= ISLAND
+        few[groups[beside_unknown | ~side]] = False
+        count += int(few.sum())
+    return count
 
 
 def _crossed(plane: np.ndarray, level: float) -> np.ndarray:
@@ -125,19 +135,17 @@ def _crossed(plane: np.ndarray, level: float) -> np.ndarray:
     return np.concatenate([np.ravel((step < 0).any(axis=0)) for step in steps])
 
 
-def _ends(plane: np.ndarray, level: float, undecided: np.ndarray) -> int:
-    """How often a line ends inside a plane because what lies ahead is undecided.
+def _ends(part: np.ndarray, level: float, undecided: np.ndarray) -> int:
+    """How often a line ends inside a part of a plane because what lies ahead is undecided.
 
     It ends between two known neighbours on either side of the level: of a row, a column, or across
     the corner of a cell that is not known (there it leads through triangles).
     """
-    whole = np.where(np.isfinite(plane).any(axis=0), np.nansum(plane, axis=0), np.nan)
-    unsure = undecided & np.isnan(whole)
-    if min(whole.shape) < 2:
+    if min(part.shape) < 2:
         return 0
-    both = (whole, unsure), (whole.T, unsure.T)
-    of_rows = sum(_ends_beside_rows(*one, level) for one in both)
-    cells, ahead = (sliding_window_view(one, (2, 2)).reshape(-1, 4) for one in (whole, unsure))
+    unsure = undecided & np.isnan(part)
+    of_rows = sum(_ends_beside_rows(*one, level) for one in ((part, unsure), (part.T, unsure.T)))
+    cells, ahead = (sliding_window_view(one, (2, 2)).reshape(-1, 4) for one in (part, unsure))
     alone = ahead.any(axis=1) & (np.isnan(cells).sum(axis=1) == 1)
     outer = np.isnan(cells[:, [0, 3]]).any(axis=1, keepdims=True)
     across = np.where(outer, cells[:, [1, 2]], cells[:, [0, 3]]) > level  # corners beside that one
