@@ -138,6 +138,7 @@ class TestAxes:
         stop = start + (num - 1) * step
         span = span_by_count(Fraction(start), Fraction(stop), num, "linear")
         assert span.values() == [float(start + i * step) for i in range(num)]
+        assert span.second == span.values()[1]
         back = span_by_count(Fraction(stop), Fraction(start), num, "linear")
         assert back.values() == span.values()[::-1]
 
@@ -150,7 +151,9 @@ class TestAxes:
 
     @given(STEPS, st.integers(2, 50))
     def test_logarithmic_values_rise_by_one_ratio(self, start: Decimal, num: int) -> None:
-        values = span_by_count(Fraction(start), Fraction(start) * 7, num, "log").values()
+        span = span_by_count(Fraction(start), Fraction(start) * 7, num, "log")
+        values = span.values()
+        assert span.second == pytest.approx(values[1], rel=1e-14)
         ratios = [b / a for a, b in pairwise(values)]
         assert ratios == pytest.approx([7 ** (1 / (num - 1))] * (num - 1), rel=1e-14)
         assert (values[0], values[-1]) == (float(start), float(Fraction(start) * 7))

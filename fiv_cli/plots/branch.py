@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise, permutations
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -97,12 +97,8 @@ def _each_once(dataset: xr.Dataset) -> Iterator[points.Line]:
     """Every branch of a dataset; what all starts lead to once, as theirs."""
     lines = points.lines(dataset, [], points.grid_dims(dataset))
     every = [line for line in lines if _length(dataset, line.index)]
-    beside: dict[tuple[tuple[str, int], ...], list[points.Line]] = {}
-    for line in every:
-        rest = tuple((dim, at) for dim, at in line.index.items() if dim != "initial")
-        beside.setdefault(rest, []).append(line)
     count = dataset.sizes.get("initial", 1)
-    for own in beside.values():
+    for own in _by_place(every):
         first, *others = (_line(dataset, line.index) for line in own)
         same = all(_lies_on(*pair, 1.0) for one in others for pair in ((first, one), (one, first)))
         shared = {"initial": points.SHARED[count > 2]}
@@ -112,16 +108,21 @@ def _each_once(dataset: xr.Dataset) -> Iterator[points.Line]:
             yield from own
 
 
+def _by_place(lines: Sequence[points.Line]) -> Collection[list[points.Line]]:
+    """The lines of all starts at each place of the other axes."""
+    beside: dict[tuple[tuple[str, int], ...], list[points.Line]] = {}
+    for line in lines:
+        rest = tuple((dim, at) for dim, at in line.index.items() if dim != "initial")
+        beside.setdefault(rest, []).append(line)
+    return beside.values()
+
+
 def lines_apart(dataset: xr.Dataset) -> Iterator[points.Line]:
     """Every branch but those that lie on that of another start: dashes over dashes would be a line.
 
     Of two that are one and the same that of the later start.
     """
-    beside: dict[tuple[tuple[str, int], ...], list[points.Line]] = {}
-    for line in _each_once(dataset):
-        rest = tuple((dim, at) for dim, at in line.index.items() if dim != "initial")
-        beside.setdefault(rest, []).append(line)
-    for own in beside.values():
+    for own in _by_place([*_each_once(dataset)]):
         paths = [_line(dataset, line.index) for line in own]
         covered = {
             one

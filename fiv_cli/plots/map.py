@@ -460,10 +460,15 @@ def _paint_classes(
 
 def _mark_covered(ax: Axes, planes: _Planes, undecided: np.ndarray) -> None:
     """Undecided points of a fine map, whose cells the lines on it may cover."""
-    (rows, columns), (x, y) = np.nonzero(undecided), planes.places
-    look: dict[str, Any] = {"color": style.CLASSES[UNDECIDED], "mec": style.BLACK, "mew": 0.4}
     told = points.unlisted(UNDECIDED)
-    ax.plot(x[columns], y[rows], "s", ms=2.5, ls="none", label=told, zorder=4, **look)
+    _dot(ax, planes, undecided, marker="s", color=style.CLASSES[UNDECIDED], label=told)
+
+
+def _dot(ax: Axes, planes: _Planes, mask: np.ndarray, **look: Any) -> list[Line2D]:
+    """Marks on the points of a panel that are in a mask, over the lines on it."""
+    (rows, columns), (x, y) = np.nonzero(mask), planes.places
+    edge: dict[str, Any] = {"mec": style.BLACK, "mew": 0.5, "ms": 2.5, "ls": "none", "zorder": 4}
+    return ax.plot(x[columns], y[rows], **edge, **look)
 
 
 def _edges(count: int) -> np.ndarray:
@@ -587,12 +592,8 @@ def _mark_undecided(axes: Sequence[Axes], planes: _Planes, known: xr.DataArray) 
     for told, unsure in _unsure(planes).items():
         if unsure.dims == known.dims and bool((unsure & known).any()):
             for ax, panel in zip(axes, planes.panels, strict=False):
-                rows, columns = np.nonzero(planes.of(unsure & known, panel))
-                x, y = planes.places
-                marked = ax.plot(
-                    x[columns], y[rows], "o", color="white", mec=style.BLACK, mew=0.5, ms=2.5,
-                    ls="none", label=told, zorder=4,
-                )  # fmt: skip
+                seen = planes.of(unsure & known, panel)
+                marked = _dot(ax, planes, seen, marker="o", color="white", label=told)
             entries += marked
     return entries
 
