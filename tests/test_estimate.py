@@ -24,7 +24,7 @@ from fiv_cli.case.case import Refinement
 from fiv_cli.case.load import parse_case
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.sweep.borders import draw
-from fiv_cli.sweep.estimate import OF_TIMING, PIECES, _crew, _parallel, _spread, estimate, foreseen
+from fiv_cli.sweep.estimate import PIECES, _crew, _parallel, _spread, estimate, foreseen
 from fiv_cli.sweep.journal import Journal
 from fiv_cli.sweep.map_estimate import Drawing
 from fiv_cli.sweep.plan import make_plan
@@ -75,6 +75,7 @@ def test_an_estimate_holds_the_time_where_few_points_cost_nearly_all(
     monkeypatch.setattr("fiv_cli.sweep.estimate._tried", tried)
     stopped = SimpleNamespace(monotonic=lambda: 0.0)  # not ended by the clock of a busy machine
     monkeypatch.setattr("fiv_cli.sweep.estimate.time", stopped)
+    monkeypatch.setattr("fiv_cli.sweep.estimate.OF_TIMING", 0.0)  # what a point takes is given
     (found,) = estimate(api.load(table), 1, lambda _: None)
     low, high = found.seconds
     assert low < (1 + chained) * 1e6 * (0.04 + 0.96 * 0.01) < high
@@ -204,16 +205,19 @@ def ended_first(met: Path, task: Task) -> Result:
     return run_task(task)
 
 
-@pytest.mark.parametrize(("load", "told"), [(0.9, False), (4.2, True)])
+@pytest.mark.parametrize(
+    ("load", "told"), [(0.7, ""), (4.2, ", 4.7 times that beside what runs here now")]
+)
 def test_an_estimate_tells_that_others_use_the_machine(
     monkeypatch: pytest.MonkeyPatch, load: float, told: bool
 ) -> None:
     """By what there was to do before the sample was run."""
-    monkeypatch.setattr(os, "getloadavg", lambda: (load * (os.cpu_count() or 1), 0.0, 0.0))
+    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    monkeypatch.setattr(os, "getloadavg", lambda: (2 * load, 0.0, 0.0))
     table = {"schema": 1, "model": {"name": "belt-1dof"}, "analysis": [{"kind": "eigenvalues"}]}
     (found,) = estimate(api.load(table), 1, lambda _: None)
     monkeypatch.setattr(os, "getloadavg", lambda: (99.0, 0.0, 0.0))
-    assert (", cores being free (now 4.2 processes share one); " in found.line()) == told
+    assert f", cores being free{told}; " in found.line()
 
 
 @pytest.mark.parametrize("load", [0.0, 0.1, 50.0])
@@ -291,7 +295,7 @@ def test_a_map_grows_as_its_borders_do(
     drawing = Drawing(maps, square, *nothing, run, at_once=10)
     drawing.until(seconds)
     (low, high), (least, most) = drawing.cost()
-    assert low * (1 - OF_TIMING) <= true <= high * (1 + OF_TIMING) and high <= spread * low
+    assert 0.9 * low <= true <= 1.1 * high and high <= spread * low
     assert (least, most) == pytest.approx((low, high))
 
 

@@ -66,13 +66,14 @@ STEPS = 1e9  # that a run may make for each place that is tried at least: half a
 # Of fewer, some points for a share of their time, by so many steps: what a run of all may take, s.
 FEW, PART, FEW_STEPS, SHORT = 4, PARTS[0], 10_000, HOUR / 3.0
 
-# Relative error that no sample removes: of the timing, and of work besides the points.
-OF_TIMING = 0.1
+# Relative error that no sample removes: a core of a machine that others use is by half slower for
+# minutes, and there is work besides the points.
+OF_TIMING = 0.2
 # Bytes of a run for each byte of results, and besides (measured on runs of 4 to a million points).
 ON_DISK, OF_FILES = 2.3, 100e3  # shards and dataset
 IN_MEMORY, OF_A_PROCESS, OF_THE_FIRST = 1.3, 200e6, 250e6  # the first knows eigenvalues, too
 MERGING, MOST_MERGING = 1.7, 130e6  # shards that become one
-BUSY = 1.5  # processes for each core, from which on it is said
+BUSY = 1.3  # times as long as on free cores, from which on it is said
 STARTING = 1.0  # s that a run takes besides its points
 
 
@@ -86,7 +87,7 @@ class Estimate:
     points : to be run, least and most
     sampled, stored : points that were run for this, and that are stored and need not be run
     given_up, limit : those that were sampled and took more than so many s
-    load : processes that shared a core before
+    slowed : times as long as it takes while others run that ran before
     failed : reason -> how many of those sampled failed for it
     expected : s of the whole run, processor time over the workers
     seconds : ... least and most that is likely; the most may be infinite
@@ -104,7 +105,7 @@ class Estimate:
     memory: float
     disk: float
     workers: int
-    load: float
+    slowed: float
     failed: Mapping[str, int]
 
     def failures(self) -> list[str]:
@@ -114,20 +115,20 @@ class Estimate:
             for reason, count in self.failed.items()
         ]
 
-    @property
-    def _busy(self) -> str:
-        """That others are at work: it takes longer then."""
-        return f" (now {self.load:.1f} processes share one)" * (self.load > BUSY)
-
     def line(self) -> str:
         """For people."""
         besides = f"; {counted(self.stored)} are stored" if self.stored else ""
         return (
-            f"  estimate of {self.name}: {self.time()} on "
-            f"{counted(self.workers, 'worker')}, cores being free{self._busy}; "
+            f"  estimate of {self.name}: {self.time_on_workers()}; "
             f"{size(self.memory)} of memory, "
             f"{size(self.disk)} on disk ({self.basis()}{besides})"
         )
+
+    def time_on_workers(self) -> str:
+        """How long it takes on free cores; longer while others are at work, which is said."""
+        busy = f", {self.slowed:.1f} times that beside what runs here now"
+        free = f"{self.time()} on {counted(self.workers, 'worker')}, cores being free"
+        return free + busy * (self.slowed > BUSY)
 
     def time(self) -> str:
         """How long it takes: the range alone where points were given up."""
@@ -145,7 +146,7 @@ class Estimate:
 
 
 class Crew(NamedTuple):
-    """Who computes: so many workers, on so many cores, of which each had so much to do before."""
+    """Who computes: so many workers, on so many cores, each with so many processes before."""
 
     workers: int
     cores: float
@@ -464,7 +465,7 @@ def _told(
         memory=OF_A_PROCESS * processes + _of_dataset(analysis, of_a_point),
         disk=OF_FILES + ON_DISK * of_a_point * points,
         workers=workers,
-        load=crew.load,
+        slowed=max(1.0, crew.load + min(workers / crew.cores, 1.0)),
         failed=dict(sample.failed),
     )
 

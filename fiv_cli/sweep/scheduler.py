@@ -200,13 +200,10 @@ class Scheduler:
             self._workers = self._started_workers()
             policy = replace(policy, workers=max(1, self._workers.size))
         found = foreseen(self.journal, policy)
-        if sum(one.seconds[1] for one in found) > LONG:
+        if sum(one.slowed * one.seconds[1] for one in found) > LONG:
             self._is_told = True
             for one in found:
-                self.progress.note(
-                    f"{one.name} takes {one.time()} on {counted(one.workers, 'worker')}, cores "
-                    f"being free ({one.basis()})"
-                )
+                self.progress.note(f"{one.name} takes {one.time_on_workers()} ({one.basis()})")
             self.progress.note(
                 "this run may take more than an hour: Ctrl-C keeps what is finished, "
                 "`fiv check --estimate` tries for longer"
