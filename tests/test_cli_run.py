@@ -502,6 +502,21 @@ def test_a_figure_of_what_the_case_was_says_so(
     assert (warning in said) == bool(told)
 
 
+def test_a_line_of_what_another_case_was_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    lined = 'kind = "map"\nvariable = "growth_rate"'
+    Path("map.toml").write_text(
+        EQUILIBRIUM.replace("equilibrium", "eigenvalues")
+        + f"[[figure]]\n{lined}\nlevel = {{ 'pin:n_solutions' = 1.5 }}\n"
+    )
+    assert [fiv(["run", name, "-q"]) for name in ("pin.toml", "map.toml")] == [0, 0]
+    assert fiv(["plot", "runs/map.nc"]) == 0
+    assert "as it was run" not in capsys.readouterr().err
+    Path("pin.toml").write_text(EQUILIBRIUM.replace("0.2]", "0.2, 0.3]"))
+    assert fiv(["plot", "runs/map.nc"]) == 0
+    told = "what is drawn of pin is of runs/pin.nc as it was run; pin.toml was changed since (other"
+    assert told in capsys.readouterr().err
+
+
 def test_what_a_warning_says_to_run_takes_it_away(capsys: pytest.CaptureFixture[str]) -> None:
     """Also of a dataset that was run with settings of its own, to a file of its own."""
     assert fiv(["run", "pin.toml", "-q", "--set", "grid.N0=[20.0, 31.0]", "-o", "other.nc"]) == 0

@@ -33,7 +33,7 @@ from fiv_cli.plots.labels import has_symbol, name_of, quantity, title_of, value_
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
 from fiv_cli.reading.datasets import analysis_of, figures_in, is_class, read_analyses
-from fiv_cli.reading.lent import lent
+from fiv_cli.reading.lent import changed, lent
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -257,6 +257,7 @@ def draw(
         for ax in style.own_axes(drawn) if settings.keys() & {"xlim", "ylim"} else ():
             points.show_on_the_frame(ax)
         style.finish(drawn)
+        style.add_notes(drawn, [*changed(_lined(figure))])
         return drawn
 
 

@@ -6,7 +6,9 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from fiv_cli.case.identity import output_of
+from fiv_cli.data.hdf5 import read_attributes
 from fiv_cli.errors import UsageError
+from fiv_cli.reading.changed import changed_since
 from fiv_cli.reading.datasets import read_analyses
 
 if TYPE_CHECKING:
@@ -35,3 +37,11 @@ def lent(names: Iterable[str]) -> Iterator[xr.Dataset]:
         beside = [one for one, of in dataset.items() if of.dims == dataset[variable].dims]
         beside += [of_point for of_point in ("status", "reason") if of_point in dataset]
         yield dataset[list({*beside})].rename_vars({variable: name})
+
+
+def changed(names: Iterable[str]) -> Iterator[str]:
+    """Of each case that lends variables so called how its file differs from what was run."""
+    for case in dict.fromkeys(name.partition(":")[0] for name in names if ":" in name):
+        path = output_of(case)
+        if since := changed_since(read_attributes(path), path, drawn=False):
+            yield f"what is drawn of {case} is of {path} as it was run; {since}"
