@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -124,12 +125,12 @@ class _Planes:
         """Where the points lie along both axes."""
         return points.positions(self.axes[0]), points.positions(self.axes[1])
 
-    @property
+    @cached_property
     def computed(self) -> xr.DataArray:
         """Where there is an answer."""
         return is_class(self.dataset["status"], ("ok", "budget"))
 
-    @property
+    @cached_property
     def settled(self) -> xr.DataArray:
         """Where its numbers are an answer: not of a motion that was on its way yet."""
         if "reason" not in self.dataset:
@@ -141,7 +142,7 @@ class _Planes:
         own = {dim: index for dim, index in panel.index.items() if dim in array.dims}
         return array.isel(own).transpose(*reversed(self.dims)).values
 
-    @property
+    @cached_property
     def rests(self) -> xr.DataArray:
         """Where an equilibrium is reached, as far as that is known."""
         reached = self.dataset.get("attractor")
@@ -154,12 +155,13 @@ class _Planes:
 
         They are stacks (`levels`) of one part or, `apart`, of what rests and of all else.
         """
-        ends, rests = levels.planes_of(self.dataset, self.array), self.rests
-        parts = [rests, ~rests] if apart else [rests | True]
-        return [
-            np.stack([self.of(numbers(end).where(self.settled & part), panel) for part in parts])
-            for end in ends
-        ]
+        settled, rests = self.of(self.settled, panel), self.of(self.rests, panel)
+        parts = np.stack([settled & rests, settled & ~rests] if apart else [settled])
+        return [np.where(parts, self.of(end, panel), np.nan) for end in self._numbers]
+
+    @cached_property
+    def _numbers(self) -> list[xr.DataArray]:
+        return [numbers(end) for end in levels.planes_of(self.dataset, self.array)]
 
     def mesh(self, ax: Axes, plane: np.ndarray, **looks: Any) -> QuadMesh:
         """Paint one panel."""
@@ -179,14 +181,20 @@ class _Lines:
     styles: Sequence[Any]
     of_the_map: bool
 
-    @property
+    @cached_property
     def ends(self) -> list[Panel]:
         """Of each panel and level the numbers, at each end of what they may be."""
-        return [*map(self._ends, self.planes.panels)]
+        return [*map(self._of, self.planes.panels)]
 
     def _ends(self, panel: points.Line) -> Panel:
-        """Those of one. The levels next to what rests, to either side, are borders of regions,
-        which may be jumps; no other line leads along one from rest."""
+        """Those of one."""
+        return next(
+            own for own, one in zip(self.ends, self.planes.panels, strict=True) if one is panel
+        )
+
+    def _of(self, panel: points.Line) -> Panel:
+        """The levels next to what rests, to either side, are borders of regions, which may be
+        jumps; no other line leads along one from rest."""
         whole, apart = (self.planes.ends(panel, apart=one) for one in (False, True))
         at_rest = apart[0][0]
         if not np.isfinite(at_rest).any():

@@ -610,8 +610,9 @@ class TicksAbove(Locator):
 def finish(figure: Figure) -> None:
     """Give lines and marks the weight of the look, and axes words and ticks that have room."""
     own = own_axes(figure)
-    told = [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in own]
-    words = [(worded(title), worded(xlabel), worded(ylabel)) for title, xlabel, ylabel in told]
+    words = [
+        (worded(title), worded(xlabel), worded(ylabel)) for title, xlabel, ylabel in _texts(figure)
+    ]
     for text in itertools.chain.from_iterable(ax.texts for ax in own):
         text.set_text(worded(text.get_text()))
     tame_texts(figure)
@@ -664,10 +665,18 @@ def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int
     """Fit title and labels of each panel; how many lines they have more, of `added` before."""
     for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
         figure.draw_without_rendering()  # panels have their places then
+        told = _texts(figure), added
         lines = [_fit(ax, *own) for ax, own in zip(own_axes(figure), words, strict=True)]
-        make_room(figure, max(lines) - added)
         added = max(lines)
+        make_room(figure, added - told[1])
+        if (_texts(figure), added) == told:
+            break
     return added
+
+
+def _texts(figure: Figure) -> list[tuple[str, str, str]]:
+    """Title and labels of each panel."""
+    return [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in own_axes(figure)]
 
 
 def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
