@@ -4254,6 +4254,41 @@ def test_motions_are_drawn_through_the_instants_of_their_events(sample):
         np.testing.assert_allclose(np.min(np.abs(ends - corner).max(axis=1)), 0.0, atol=1e-12)
 
 
+def test_a_jump_in_a_phase_portrait_is_of_neither_state_beside_it():
+    """No slip has a force that it never has, and the head lies on no jump."""
+    found, _ = sawtooth(0.09)
+    (ax,) = draw(found, figure("phase", x="phi_dot", y="F_T")).axes
+    parts = {str(c.get_label()): np.concatenate(c.get_segments()) for c in ax.collections}
+    jumps = parts.pop("_jump")
+    assert {*map(tuple, np.ptp(jumps.reshape(-1, 2, 2), axis=1))} == {(0.0, 4.0)}
+    assert {name: {*points[:, 1]} for name, points in parts.items()} == {
+        "slip+": {3.0},
+        "slip-": {-1.0},
+    }
+    assert ax.texts[0].xyann[1] == ax.texts[0].xy[1]
+    assert "jump" in legend_texts(ax.figure)
+    smooth = draw(found, figure("phase"))
+    assert "jump" not in legend_texts(smooth)
+
+
+def test_what_no_line_would_show_in_a_phase_portrait_is_a_dot():
+    """One that lasts for a sample of hundreds."""
+    found = data.history(labels=("far",))
+    time = found["time"].values
+    states = np.where(np.arange(time.size) == time.size // 2, "stick", "slip+")[None]
+    for name in ("phi", "theta"):
+        found[name] = found[name].copy(data=(time / time[-1])[None])
+        found[f"{name}_dot"] = found[name].copy(data=np.full_like(time, 1.0 / time[-1])[None])
+    found["contact_state"] = data.flags(("initial", "time"), states, data.CONTACT_STATES)
+    found = found.drop_dims("event_obs").assign(data.ledger(time, states))
+    drawn = draw(found, figure("phase", x="phi", y="theta"))
+    (dot,) = (line for line in drawn.axes[0].lines if line.get_marker() == ".")
+    assert dot.get_label().endswith("stick") and dot.get_xdata() == pytest.approx(0.5, abs=0.01)
+    (legend,) = drawn.legends
+    keys = {t.get_text(): h for t, h in zip(legend.get_texts(), legend.legend_handles, strict=True)}
+    assert [keys[word].get_marker() for word in ("stick", SLIP_PLUS)] == [".", "None"]
+
+
 def test_a_corner_without_a_sample_behind_it_is_as_what_is_before_leads_there():
     """Where a second event comes before the next sample."""
     time = np.arange(0.0, 2.05, 0.1)

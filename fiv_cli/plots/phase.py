@@ -38,6 +38,10 @@ MARK: dict[str, Any] = {"ms": 5, "mfc": "none", "color": style.BLACK, "ls": "non
 # extent, and so does this share of its instants, of so many.
 AWAY, BACK = 0.1, 1e-3
 MOST, INSTANTS = 0.998, 20_000
+# What jumps at an event, by more than this share of its extent, is neither before nor after it; of
+# what reaches no farther than that no line would be seen: it is a dot.
+JUMP: dict[str, Any] = {"color": "#777777", "ls": ":", "lw": 1.0}
+FAR, SEEN, DOT = 1e-3, 0.01, 4.0
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
@@ -53,32 +57,32 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     names, *_ = [_states(one, settings) for one in datasets]  # which all must have
     marks = _marks(motions, shared, settings)
     figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(*datasets))
-    for number, (one, mark) in enumerate(zip(motions, marks, strict=True)):
-        _panel(axes[0 if shared else number], one, names, mark, settings)
+    portraits = [_portrait(*of, names, settings) for of in zip(motions, marks, strict=True)]
+    for number, portrait in enumerate(portraits):
+        _panel(axes[0 if shared else number], portrait, names, settings)
     for ax, one in zip(axes, motions, strict=False):
         ax.set_title("" if shared else one.label)
         ax.set_xlabel(motion.label_of(dataset[names[0]], settings))
     axes[0].set_ylabel(motion.label_of(dataset[names[1]], settings))
-    present, contact = (
-        motion.states_present(motions, settings),
-        motion.named_contact(dataset, settings),
-    )
-    others = [
-        Line2D([], [], label=motion.sticking(number), **_band(number))
-        for number in sorted({number for one in motions for number, *_ in _bands(one, settings)})
-    ]
-    others += [*motion.ends(motions), *motion.sampled(motions, names)]
-    if any(np.isfinite(_held(one, names)) for one in motions):
-        others.append(Line2D([], [], label="held in stick", **HELD))
-    coarse = all(one.is_coarse(*names) for one in motions)
-    look: dict[str, Any] = {"marker": "o", "ls": "none"} if coarse else {}
     keys = [
-        Line2D([], [], color=style.CLASSES[state], label=motion.CONTACT_STATES[state], **look)
-        for state in present
+        _key(motion.CONTACT_STATES[state], [one.states.get(state) for one in portraits])
+        for state in motion.CONTACT_STATES
     ]
-    of_lines = len({mark.dash for mark in marks}) > 1 and not coarse
+    keys += [
+        _key(motion.sticking(number), [one.sticks.get(number) for one in portraits])
+        for number in sorted({*chain.from_iterable(one.sticks for one in portraits)})
+    ]
+    if any(one.jumps for one in portraits):
+        keys.append(Line2D([], [], label="jump", **JUMP))
+    keys += [*motion.ends(motions), *motion.sampled(motions, names)]
+    if any(np.isfinite(_held(one, names)) for one in motions):
+        keys.append(Line2D([], [], label="held in stick", **HELD))
+    of_lines = len({mark.dash for mark in marks}) > 1 and not all(
+        one.is_coarse(*names) for one in motions
+    )
     named = {mark.label: mark.key(with_line=of_lines) for mark in marks if mark.label}
-    style.legend_below(figure, [*keys, *others, *named.values()], contact)
+    contact = motion.named_contact(dataset, settings)
+    style.legend_below(figure, [*filter(None, keys), *named.values()], contact)
     return figure
 
 
@@ -156,19 +160,39 @@ class _Path:
         return np.inf
 
     def between(self, begin: float, end: float) -> np.ndarray:
-        """What of it lies between two instants, smooth where it may be."""
+        """What of it lies between two instants, smooth where it may be; no jump at the first."""
         first, last = np.searchsorted(self.time, (begin, end))
         if self.is_coarse:
             return self.points[first:last]
-        part = slice(first, last + 1)
+        part = slice(max(0, np.searchsorted(self.time, begin, "right") - 1), last + 1)
         return _smooth(self.time[part], self.points[part])
+
+    @property
+    def is_jump(self) -> np.ndarray:
+        """Which of its steps from point to point take no time and go far."""
+        far = abs(np.diff(self.points, axis=0)) > FAR * np.ptp(self.points, axis=0)
+        return (np.diff(self.time) <= 0.0) & far.any(axis=1)
+
+    def jumps(self, instants: Sequence[float]) -> list[np.ndarray]:
+        """What is before and what is after some events, shape (2, 2), where it jumps."""
+        places = np.searchsorted(self.time, instants)
+        is_jump = np.append(self.is_jump, [False])
+        return [self.points[place : place + 2] for place in places if is_jump[place]]
+
+    def is_seen(self, pieces: Sequence[np.ndarray]) -> bool:
+        """Whether lines of some pieces are."""
+        extent = SEEN * np.ptp(self.points, axis=0)
+        return any((np.ptp(piece, axis=0) > extent).any() for piece in pieces)
 
     def draw(self, ax: Axes, pieces: Sequence[np.ndarray], label: str, **look: Any) -> None:
         """Pieces of one colour."""
+        marks: dict[str, Any] = {"ls": "none", "marker": ".", "color": look["color"]}
+        marks |= {"rasterized": self.is_long, "label": label, "zorder": look.get("zorder")}
         if self.is_coarse:
-            x, y, color = *np.concatenate(pieces).T, look["color"]
-            marks: dict[str, Any] = {"rasterized": self.is_long, "zorder": look.get("zorder")}
-            ax.plot(x, y, ".", ms=2.0 * look["lw"], color=color, label=label, **marks)
+            ax.plot(*np.concatenate(pieces).T, ms=2.0 * look["lw"], **marks)
+        elif not self.is_seen(pieces):
+            places = [piece.mean(axis=0) for piece in pieces]
+            ax.plot(*np.transpose(places), ms=DOT + look["lw"], **marks)
         else:
             ax.add_collection(LineCollection(pieces, label=label, rasterized=self.is_long, **look))
 
@@ -183,31 +207,82 @@ def path_of(one: motion.Motion, names: tuple[str, str], settings: points.Setting
     return _Path(one.drawn_time, np.column_stack(drawn), False, is_long)
 
 
-def _panel(
-    ax: Axes,
-    one: motion.Motion,
-    names: tuple[str, str],
-    mark: _Mark,
-    settings: points.Settings,
-) -> None:
+@dataclass(frozen=True)
+class _Part:
+    """What of a motion is drawn in one look."""
+
+    path: _Path
+    pieces: list[np.ndarray]
+    look: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class _Portrait:
+    """What is drawn of one motion: parts for each state of a contact, and for sticks of others.
+
+    It has none where the motion rests.
+    """
+
+    motion: motion.Motion
+    path: _Path
+    mark: _Mark
+    states: dict[str, _Part]
+    sticks: dict[int, _Part]
+    jumps: list[np.ndarray]
+
+
+def _portrait(
+    one: motion.Motion, mark: _Mark, names: tuple[str, str], settings: points.Settings
+) -> _Portrait:
+    path = path_of(one, names, settings)
     if sampling.is_at_rest(one.data):
+        return _Portrait(one, path, mark, {}, {}, [])
+    until = path.once_around() if mark.dash != "-" else np.inf
+    spans = [span for span in motion.contact_spans(one, settings) if span[1] < until]
+    states: dict[str, _Part] = {}
+    for state, begin, end in spans:
+        look = {"color": style.CLASSES[state], "lw": 1.0, "ls": mark.dash}
+        part = states.setdefault(state, _Part(path, [], look))
+        part.pieces.append(path.between(begin, min(end, until)))
+    sticks: dict[int, _Part] = {}
+    for contact, *span in _bands(one, settings):
+        part = sticks.setdefault(contact, _Part(path, [], _band(contact)))
+        part.pieces.append(path.between(*span))
+    return _Portrait(one, path, mark, states, sticks, path.jumps([at for _, at, _ in spans[1:]]))
+
+
+def _key(label: str, parts: Sequence[_Part | None]) -> Line2D | None:
+    """The entry of a legend of what has parts of motions, if it has any."""
+    there = [part for part in parts if part]
+    if not there:
+        return None
+    look = {key: there[0].look[key] for key in ("color", "lw")}
+    if all(part.path.is_coarse for part in there):
+        return Line2D([], [], label=label, marker="o", ls="none", color=look["color"])
+    if not any(part.path.is_seen(part.pieces) for part in there):
+        dot = {"marker": ".", "ls": "none", "ms": DOT + look["lw"], "color": look["color"]}
+        return Line2D([], [], label=label, **dot)
+    return Line2D([], [], label=label, **look)
+
+
+def _panel(
+    ax: Axes, portrait: _Portrait, names: tuple[str, str], settings: points.Settings
+) -> None:
+    one, path, mark = portrait.motion, portrait.path, portrait.mark
+    if not portrait.states:
         _rest(ax, one, names, mark)
         return
-    path = path_of(one, names, settings)
-    until = path.once_around() if mark.dash != "-" else np.inf
-    stretches: dict[str, list[np.ndarray]] = {}
-    for state, begin, end in motion.contact_spans(one, settings):
-        if begin < until:
-            stretches.setdefault(state, []).append(path.between(begin, min(end, until)))
-    for state, pieces in stretches.items():
-        look = {"color": style.CLASSES[state], "lw": 1.0, "ls": mark.dash}
-        path.draw(ax, pieces, points.joined(one.label, state), **look)
-    sticks = [(of, path.between(*span)) for of, *span in _bands(one, settings)]
+    for state, part in portrait.states.items():
+        path.draw(ax, part.pieces, points.joined(one.label, state), **part.look)
+    if portrait.jumps:
+        path.draw(ax, portrait.jumps, points.unlisted(one.label, "jump"), zorder=1.9, **JUMP)
     if not path.is_coarse:
-        _point_onwards(ax, path.points, [*chain(*stretches.values()), *(p for _, p in sticks)])
-    for contact, piece in sticks:
+        parts = [*portrait.states.values(), *portrait.sticks.values()]
+        pieces = [piece for part in parts for piece in part.pieces]
+        _point_onwards(ax, path, pieces)
+    for contact, part in portrait.sticks.items():
         stick = points.unlisted(one.label, motion.sticking(contact))
-        path.draw(ax, [piece], stick, **_band(contact))
+        path.draw(ax, part.pieces, stick, **part.look)
     if mark.label:
         label = points.unlisted(one.label, mark.label)
         ax.plot(*path.points[0], marker=mark.marker, label=label, **MARK)
@@ -237,14 +312,17 @@ def _rest(ax: Axes, one: motion.Motion, names: tuple[str, str], mark: _Mark) -> 
     ax.plot(*place, marker=mark.marker, label=points.unlisted(one.label, mark.label), **MARK)
 
 
-def _point_onwards(ax: Axes, path: np.ndarray, pieces: Sequence[np.ndarray]) -> None:
+def _point_onwards(ax: Axes, of: _Path, pieces: Sequence[np.ndarray]) -> None:
     """An arrowhead in the direction of the motion, on the straightest stretch of its curve off its
-    start, and off such pieces of it as it would hide: where its second half, which is nearer to a
-    closed one, is wide enough, there."""
-    halves, extent = (path[len(path) // 2 :], path), np.ptp(path, axis=0)
+    start, off jumps, and off such pieces of it as it would hide: where its second half, which is
+    nearer to a closed one, is wide enough, there."""
+    path, extent = of.points, np.ptp(of.points, axis=0)
+    halves = path[len(path) // 2 :], path
     late = next(half for half in halves if (np.ptp(half, axis=0) >= WIDE * extent).all())
     scaled = late / np.where(extent > 0.0, extent, 1.0)
-    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(scaled, axis=0), axis=1)))
+    is_jump = of.is_jump[len(path) - len(late) :]
+    steps = np.where(is_jump, 0.0, np.linalg.norm(np.diff(scaled, axis=0), axis=1))
+    along = np.append(0.0, np.cumsum(steps))
     places = np.linspace(0.0, min(along[-1], TURN), PLACES)
     even = np.column_stack([np.interp(places, along, scaled[:, axis]) for axis in (0, 1)])
     reach = min(1 + int(ROOM * PLACES / max(places[-1], ROOM)), PLACES // 3 - 1)
@@ -254,6 +332,9 @@ def _point_onwards(ax: Axes, path: np.ndarray, pieces: Sequence[np.ndarray]) -> 
     middle = 0.5 * (even[3 * reach :] + even[: -3 * reach])
     off = np.linalg.norm(middle[:, None] - hidden, axis=-1).min(axis=1)
     chords[off < CLEAR] *= 0.5
+    leaps = along[1:][is_jump]
+    over = (places[: -3 * reach, None] < leaps) & (leaps < places[3 * reach :, None])
+    chords[over.any(axis=1)] *= 0.1
     if along[-1] > 0.0:
         tail, tip = (even[int(chords.argmax()) + n * reach] * extent for n in (1, 2))
         ax.annotate("", tip, tail, arrowprops=HEAD)
