@@ -3095,6 +3095,21 @@ def test_islands_that_the_grid_does_not_tell_are_told():
     assert not [note for note in notes if "islands" in note]
 
 
+@pytest.mark.parametrize(("peak", "told"), [(0.9, True), (0.3, False)])
+def test_levels_that_run_round_the_same_point_are_told(peak, told):
+    """As where a value jumps at a corner of its plane; one such level alone is a peak."""
+    dataset = data.stability_map(initial=("reached",), nx=20, ny=20)
+    x, y = np.meshgrid(np.linspace(0.0, 1.0, 20), np.linspace(0.0, 1.0, 20), indexing="ij")
+    dataset["L_s"].values[:] = (0.3 * (x + y))[..., None]
+    dataset["L_s"].values[0, 0] = peak
+    dataset["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")
+    asked = figure("map", x="Omega", y="N0", variable="L_s", level=[0.2, 0.4, 0.5])
+    notes = [note for note in style.notes_on(draw(dataset, asked)) if "run round" in note]
+    place = ", ".join(f"{name} = {float(dataset[name][0]):g}" for name in ("Omega", "N0"))
+    expected = f"L_s = 0.2, 0.4, 0.5: their lines run round {place}, where it jumps"
+    assert [note.startswith(expected) for note in notes] == [True] * told
+
+
 @pytest.mark.parametrize(("points", "marked"), [(20, False), (60, True)])
 def test_undecided_points_are_seen_beneath_lines_on_a_fine_map_of_classes(points, marked):
     """Their cells are as narrow as a line, and lie where one is drawn: at a border."""

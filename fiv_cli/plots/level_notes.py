@@ -104,7 +104,7 @@ def scattered(
     """Which levels have a line in islands that are no larger than the grid tells, as on a ridge."""
     for number, level in enumerate(levels):
         parts = (part for panel in panels for plane in panel[number] for part in plane)
-        islands = sum(_islands(part, level) for part in parts)
+        islands = sum(int(label(one)[1]) for part in parts for one in _islands(part, level))
         if islands >= MANY_ISLANDS:
             yield (
                 f"{words(array, level, levels)}: its line falls into {islands} islands of "
@@ -112,20 +112,48 @@ def scattered(
             )
 
 
-def _islands(part: np.ndarray, level: float) -> int:
-    """How many groups of so few neighbours lie on one side of a level among those on the other.
+def steep(
+    array: xr.DataArray,
+    axes: tuple[xr.DataArray, xr.DataArray],
+    panels: Sequence[Panel],
+    levels: Sequence[float],
+) -> Iterator[str]:
+    """Which levels all run round the same few points, and where: a grid tells no more of a jump."""
+    for panel in panels:
+        mine = [
+            np.any([_islands(part, level) for plane in planes for part in plane], axis=(0, 1))
+            for planes, level in zip(panel, levels, strict=True)
+        ]
+        several = np.sum(mine, axis=0) > 1
+        if several.any():
+            y, x = np.argwhere(several)[0]
+            on = [level for level, own in zip(levels, mine, strict=True) if own[y, x]]
+            place = ", ".join(
+                f"{axis.name} = {labels.number_text(float(axis[index]), axis.values.tolist())}"
+                for axis, index in zip(axes, (x, y), strict=True)
+                if axis.dtype.kind == "f"
+            )
+            more = f" and at {several.sum() - 1} points more" * bool(several.sum() > 1)
+            told = listed([labels.number_text(level, levels) for level in on])
+            yield (
+                f"{array.name} = {told}: their lines run round {place}{more}, where it jumps or "
+                "the grid is coarse: an axis that ends beside it, or a larger num"
+            )
+
+
+def _islands(part: np.ndarray, level: float) -> list[np.ndarray]:
+    """Groups of so few neighbours on one side of a level among those on the other, of each side.
 
     What lies beside a point that is not known may be larger.
     """
     known, above = np.isfinite(part), part > level
-    beside_unknown = binary_dilation(~known)
-    count = 0
+    beside_unknown, found = binary_dilation(~known), []
     for side in (known & above, known & ~above):
         groups = label(side)[0]
         few = np.bincount(groups.ravel()) <= ISLAND
         few[groups[beside_unknown | ~side]] = False
-        count += int(few.sum())
-    return count
+        found.append(few[groups])
+    return found
 
 
 def _crossed(plane: np.ndarray, level: float) -> np.ndarray:
