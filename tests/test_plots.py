@@ -2908,6 +2908,15 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
     assert f"not joined between Omega = {ends[0]} and {ends[1]}, where it steps" in apart
     (short,) = notes["short"]
     assert "its line ends where there is no value, at 9 places along Omega" in short
+    both = data.stability_map(initial=("near", "far"))
+    far = [np.nan, 20.0] * np.ones((many.size, 1))
+    found = {"critical_value": (("Omega", "initial"), far, long_name)}
+    found["status"] = data.statuses(("Omega", "initial"), np.full(far.shape, "ok"))
+    axes = {"Omega": ("Omega", many, both["Omega"].attrs), "initial": ["near", "far"]}
+    xr.Dataset(found, axes, both.attrs).to_netcdf("runs/far.nc")
+    asked = figure("map", x="Omega", y="N0", level={"far:critical_value": "N0"})
+    (lacking,) = style.notes_on(draw(both, asked))
+    assert lacking.endswith(": no line in panel near: its case has no value there")
 
 
 @pytest.mark.parametrize("panels", [[True, True], [True, False], [False, False]])

@@ -67,8 +67,11 @@ class CriticalLines:
                 f"than beside it; if it is one line, more values of {along.name} in its case join "
                 "it"
             )
-        lacking = sum(int(np.isnan(values).all(axis=1).sum()) for _, values, _ in drawn)
-        if 0 < lacking < sum(len(values) for _, values, _ in drawn):
+        known = [np.isfinite(values).any(axis=1) for _, values, _ in drawn]
+        without = [one.label for one, own in zip(self.panels, known, strict=True) if not own.any()]
+        if without and len(without) < len(known):
+            yield f"{self._words}: no line in panel {listed(without)}: its case has no value there"
+        if lacking := sum(int((~own).sum()) for own in known if own.any()):
             yield (
                 f"{self._words}: its line ends where there is no value, at {lacking} places along "
                 f"{along.name}; fiv show of its dataset says why"
