@@ -140,6 +140,8 @@ class Probe:
         return min(limit, spent - before)
 
     def _begun(self) -> Connection:
+        import scipy.optimize  # noqa: F401  which points load: a process that is ended did in vain
+
         context = multiprocessing.get_context("fork")
         self._pipe, theirs = context.Pipe()
         with ending.starting():
