@@ -453,16 +453,18 @@ def stem(name: str) -> str:
 def entries(names: Sequence[str]) -> list[Entry]:
     """An entry for each line; the members of a random start share one (``far-000`` is ``far``).
 
-    What all starts share has the last: each start has its colour whether there is any or not.
+    What all starts share has the last colour, so that each start has its own whether there is any
+    or not; and the first of dashes, for it is most of what is seen.
     """
     stems = [*map(stem, names)]
     distinct = sorted(dict.fromkeys(stems), key=lambda name: name.endswith(SHARED))
     colours = colours_of(distinct)
     numbers = [distinct.index(own) for own in stems]
+    shared = sum(name.endswith(SHARED) for name in distinct)
     return [
         Entry(
             colours[own],
-            style.dash(number, len(distinct)),
+            style.dash((number + shared) % len(distinct), len(distinct)),
             unlisted(own) if own in stems[:place] else own,
             number,
             own != names[place],
