@@ -177,6 +177,9 @@ def test_what_has_no_period_is_told_and_may_be_recorded_all_the_same() -> None:
     case = api.load(BELT, overrides={"grid.c": [2.0]})
     with pytest.raises(UsageError, match="no period: its class is equilibrium"):
         api.history(case, periods=3, settled=True)
+    short = {**BELT, "analysis": [{"kind": "response", "t_max": 5.0}]}
+    with pytest.raises(UsageError, match=r"is undecided \(time_budget: .*raise t_max"):
+        api.history(api.load(short, overrides={"grid.c": [0.0]}), periods=3)
     still, begun = (api.history(case, t_end=1.0, settled=settled) for settled in (True, False))
     assert np.ptp(still["x"].values) < 1e-3 * np.ptp(begun["x"].values)
     with pytest.raises(UsageError, match="both say where"):

@@ -11,7 +11,7 @@ from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -207,18 +207,16 @@ def run_motion(
         the branch that the point lies on ends before it; or no steady state is reached there, or
         one without a period.
     """
-    run, state, reached = _Run(point, announce, policy or Policy()), None, ""
-    if steady is not None:
-        period, state, reached = run.steady_state()
-        if steady.periods is not None:
-            cycles = any(spec.kind == "cycle" for spec in point.case.analyses)
-            settings = _over_periods(settings, period, steady.periods, reached, cycles)
+    run = _Run(point, announce, policy or Policy())
+    reached = None if steady is None else run.steady_state()
+    if reached and steady and steady.periods is not None:
+        cycles = any(spec.kind == "cycle" for spec in point.case.analyses)
+        settings = _over_periods(settings, reached, steady.periods, cycles)
     alone = run.plan("history", {**_settings(point.case), **settings})
-    if steady is not None and steady.settled:
-        alone = _continued(alone)
-    else:
-        state = None
-    block = run.result(alone, state).block
+    settled = reached if steady and steady.settled else None
+    block = run.result(
+        _continued(alone) if settled else alone, settled.state if settled else None
+    ).block
     label = point.place["initial"]
     status = STATUS.names[int(block.status[0])]
     reason = REASONS[int(block.reason[0])].name
@@ -229,9 +227,9 @@ def run_motion(
     layout = replace(alone.layout, labels=(label,))
     dataset = assemble(layout, lambda: [(np.zeros(1, np.int64), block)])
     found = dataset.to_xarray()
-    if steady is not None and steady.settled:
-        announce(f"steady state: {reached.replace('_', ' ')}")
-        found.attrs[STEADY_STATE] = reached
+    if settled:
+        announce(f"steady state: {settled.what.replace('_', ' ')}")
+        found.attrs[STEADY_STATE] = settled.what
     return found, Outcome(status, reason, message=block.messages.get(0, ""))
 
 
@@ -347,6 +345,22 @@ def _refuse_excluded(analysis: AnalysisPlan, values: Values) -> None:
         raise UsageError(f"{message}\nnext: {advice(unmet.reason)}")
 
 
+class _SteadyState(NamedTuple):
+    """What a point reaches.
+
+    Attributes
+    ----------
+    period : s; NaN: none
+    state : how to go on
+    what, reason : its class, and why that is no other
+    """
+
+    period: float
+    state: ChainState
+    what: str
+    reason: str
+
+
 # --- its motion -----------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class _Run:
@@ -378,9 +392,8 @@ class _Run:
             state = _as_begun(before, own, start, analysis, self.policy.executor)
         return run_task(_task(alone, Segment((values,), start, state), self.policy.executor))
 
-    def steady_state(self) -> tuple[float, ChainState, str]:
-        """Period, s (NaN: none), of the steady state that the point reaches, how to go on, and
-        what it is.
+    def steady_state(self) -> _SteadyState:
+        """What the point reaches.
 
         In a case that looks for cycles alone it is the one that is found, stable or not.
         """
@@ -397,8 +410,8 @@ class _Run:
         own = settings.get(kind, get_analysis(kind).default_settings)
         result = self.result(_continued(self.plan(kind, {**own, **other})))
         ((_, state),) = result.states.items()
+        reason = REASONS[int(result.block.reason[0])].name
         if state.carry is None:
-            reason = REASONS[int(result.block.reason[0])].name
             raise UsageError(
                 f"--settled: the point reaches no steady state ({reason})\nnext: {advice(reason)}"
             )
@@ -406,7 +419,7 @@ class _Run:
         reached = str(state.carry["attractor"])
         if kind == "cycle":
             reached = f"{STABLE.names[int(result.block.values['stable'][0])]} cycle"
-        return float(period[0]), state, reached
+        return _SteadyState(float(period[0]), state, reached, reason)
 
 
 def _continued(alone: AnalysisPlan) -> AnalysisPlan:
@@ -421,15 +434,17 @@ def _continued(alone: AnalysisPlan) -> AnalysisPlan:
 
 
 def _over_periods(
-    settings: Mapping[str, float], period: float, periods: float, reached: str, cycles: bool
+    settings: Mapping[str, float], found: _SteadyState, periods: float, cycles: bool
 ) -> Mapping[str, float]:
-    """The settings of a history over so many periods of the class of motion that is reached."""
-    if not np.isfinite(period):
+    """The settings of a history over so many periods of the steady state that is reached."""
+    if not np.isfinite(found.period):
+        is_open = found.what == "undecided"
+        why = f" ({found.reason}: {advice(found.reason)})" * is_open
         raise UsageError(
-            f"--periods: the steady state has no period: its class is {reached}\n"
+            f"--periods: the steady state has no period: its class is {found.what}{why}\n"
             f"next: --settled --t-end TIME, or another point{f'; {MOTION_OF_A_CYCLE}' * cycles}"
         )
-    return {"sample": period / SAMPLES_A_PERIOD, **settings, "t_end": periods * period}
+    return {"sample": found.period / SAMPLES_A_PERIOD, **settings, "t_end": periods * found.period}
 
 
 def _settings(case: Case) -> dict[str, Any]:
