@@ -879,10 +879,11 @@ def test_a_parameter_with_the_name_of_another_has_its_value():
     along = "parameter = 'mu_k'\nbracket = [0.0, 4.0]\n[grid]\nc1 = [0.02, 0.3]\n"
     both = "c2 = [0.02, 0.3]\n[sweep]\nzip = [['c1', 'c2']]\n"
     follows, written = (
-        api.run(parse_case(text, "x.toml"))["critical_value"].values.ravel()
+        api.run(parse_case(text, "x.toml"))
         for text in (_damped(along, "c2 = 'c1'"), _damped(along + both, ""))
     )
-    np.testing.assert_array_equal(follows, written)
+    np.testing.assert_array_equal(*(one["critical_value"].values for one in (follows, written)))
+    assert [one["c1"].attrs["symbol"] for one in (follows, written)] == ["c_1 = c_2", "c_1"]
     varied = "parameter = 'c1'\nbracket = [0.001, 1.0]\n[grid]\nmu_k = [0.6]\n"
     found = api.run(parse_case(_damped(varied, "c2 = 'c1'"), "x.toml"))
     at = found["critical_value"].values.ravel()[0]

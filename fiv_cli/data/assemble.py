@@ -26,6 +26,7 @@ from fiv_cli.flags import REASONS, TABLES
 from fiv_cli.friction import get_law
 from fiv_cli.models import get_model
 from fiv_cli.models.base import Parameter
+from fiv_cli.models.excitation import terms_of
 
 Rows = NDArray[np.int64]
 
@@ -330,10 +331,12 @@ def _axis_coordinate(axis: Axis, dim: str, layout: Layout) -> Labelled:
 
 
 def axis_attributes(axis: Axis, layout: Layout) -> dict[str, str]:
-    """Unit, meaning and symbol of an axis."""
+    """Unit, meaning and symbol of an axis; with those of parameters that a case lets follow it."""
     if axis.kind == "parameter":
-        parameter = _parameter(axis.name, layout)
-        return _attributes(parameter.unit, parameter.meaning, parameter.symbol)
+        parameter, (*_, leaders) = _parameter(axis.name, layout), terms_of(layout.model)
+        following = [name for name, leader in leaders.items() if leader == axis.name]
+        symbols = [parameter.symbol, *(_parameter(name, layout).symbol for name in following)]
+        return _attributes(parameter.unit, parameter.meaning, " = ".join(symbols))
     if axis.kind == "start":
         table = get_model(layout.model)
         states = motions(table.states(table.default_options()))
