@@ -479,13 +479,13 @@ def told_in(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
     return list(told.values()), list(told)
 
 
-def clear_legends(figure: Figure) -> bool:
+def clear_legends(figure: Figure, is_drawn: bool) -> bool:
     """Put the legend of a panel where nothing is drawn or, where there is no such place, below.
 
-    Whether it is below now.
+    Whether it is below now. Of a figure that `is_drawn` the panels lie where they will.
     """
     legends = [(ax, own) for ax in figure.axes if (own := ax.get_legend())]
-    if legends:
+    if legends and not is_drawn:
         figure.draw_without_rendering()  # panels and legends have their sizes then
     hiding = [own for ax, own in legends if not _find_place(ax, own)]
     for own in hiding:
@@ -632,8 +632,8 @@ def _is_set(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "constrained_layout not applied")
         try:
-            added = _set_words(figure, words, 0)
-            if _GIVEN.get() is None and clear_legends(figure):
+            added, is_drawn = _set_words(figure, words, 0)
+            if _GIVEN.get() is None and clear_legends(figure, is_drawn):
                 _set_words(figure, words, added)
         except UserWarning:  # the words leave nothing for the panels
             return False
@@ -661,8 +661,11 @@ def _cramped(figure: Figure, words: Sequence[tuple[str, str, str]]) -> UsageErro
     return UsageError(f"its panels have no room in {width:.0f} by {height:.0f} mm\nnext: {way}")
 
 
-def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int) -> int:
-    """Fit title and labels of each panel; how many lines they have more, of `added` before."""
+def _set_words(
+    figure: Figure, words: Sequence[tuple[str, str, str]], added: int
+) -> tuple[int, bool]:
+    """Fit title and labels of each panel; how many lines they have more, of `added` before, and
+    whether panels lie as they do with these."""
     for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
         figure.draw_without_rendering()  # panels have their places then
         told = _texts(figure), added
@@ -670,8 +673,8 @@ def _set_words(figure: Figure, words: Sequence[tuple[str, str, str]], added: int
         added = max(lines)
         make_room(figure, added - told[1])
         if (_texts(figure), added) == told:
-            break
-    return added
+            return added, True
+    return added, False
 
 
 def _texts(figure: Figure) -> list[tuple[str, str, str]]:
