@@ -677,8 +677,17 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
         meant = meant or suggest(name, variables)
         if given := computed_by(name):
             meant = f"{meant or told}; {given}"
-        report.unknown(place, message, name, variables, told if ":" in name else meant or told)
+        held = variables if place[0] == "figure" else _with_own_dims(known)
+        report.unknown(place, message, name, held, told if ":" in name else meant or told)
     return name in known
+
+
+def _with_own_dims(known: Mapping[str, Variable | None]) -> list[str]:
+    """Names of variables, with the dims over which one has several values at a point."""
+    told = [variable for variable in known.values() if variable is not None]
+    dims = list(dict.fromkeys(dim for one in told for dim in one.dims))
+    meaning = [f"where [{dims[0]}]: at = {{ {dims[0]} = 0 }}, say, tells which"] if dims else []
+    return [*(one.name + f" [{', '.join(one.dims)}]" * bool(one.dims) for one in told), *meaning]
 
 
 def _of_one_contact(name: str, known: Mapping[str, Variable | None], place: Path) -> str:
