@@ -386,6 +386,26 @@ def test_a_case_that_a_claim_compares_with_is_read_where_it_lies(tmp_path: Path)
             load_case(this)
 
 
+def test_an_axis_that_the_other_case_alone_has_is_told_with_all_that_narrows_it(
+    tmp_path: Path,
+) -> None:
+    """What is allowed is taken as it stands."""
+    this, other = tmp_path / "this.toml", tmp_path / "other.toml"
+    other.write_text(BELT.replace("[0.5, 1.0]", "[0.5, 1.0]\nN = [1.0, 2.0]"))
+    for variable, own, at in (
+        ("L_s", "N = 1.0", []),
+        ("floquet_multiplier", "N = 1.0", ["at = { multiplier = 1 }"]),
+        ("floquet_multiplier", "multiplier = 0, N = 1.0", []),
+    ):
+        this.write_text(claim(variable, f'{{ less_than = "other:{variable}" }}', *at))
+        with pytest.raises(CaseError) as caught:
+            load_case(this)
+        (told,) = caught.value.problems
+        assert f"at = {{ {own} }} }}" in told.allowed
+        this.write_text(claim(variable, f"{{ {told.allowed.partition(', or that')[0]} }}", *at))
+        load_case(this)
+
+
 def test_a_case_whose_line_a_map_draws_is_read_where_it_lies(tmp_path: Path) -> None:
     this, other = tmp_path / "this.toml", tmp_path / "other.toml"
     this.write_text(plane('variable = "attractor"', 'level = { "other:growth_rate" = 0.0 }'))

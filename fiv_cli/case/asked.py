@@ -490,10 +490,19 @@ def _check_compared(
 
 
 def check_number(
-    other: Variable, claim: ClaimSpec, reference: Reference, place: Path, report: Report
+    other: Variable,
+    claim: ClaimSpec,
+    reference: Reference,
+    place: Path,
+    report: Report,
+    foreign: Mapping[str, float] | None = None,
 ) -> None:
-    """Note what is not one number at each point, with which alone a claim can compare."""
-    several = [dim for dim in other.dims if dim not in {*claim.at, *reference.at}]
+    """Note what is not one number at each point, with which alone a claim can compare.
+
+    `foreign` : axes of the other case alone -> their first value
+    """
+    wanted = dict.fromkeys(other.dims, 0) | dict(foreign or {})
+    several = {dim: at for dim, at in wanted.items() if dim not in {*claim.at, *reference.at}}
     if reference.take:
         return
     if other.kind == "flag":
@@ -503,12 +512,13 @@ def check_number(
         message = f"{other.name!r} has several values at a point"
         said = "one value at each point"
         if several:
-            one_of_all = f'take = {{ what = "greatest", over = "{several[0]}" }}'
+            one_of_all = f'take = {{ what = "greatest", over = "{next(iter(several))}" }}'
+            one_of_all = f"; or, of those that exist, {one_of_all}" * (len(several) == 1)
             told = {"case": reference.case, "variable": other.name, "analysis": reference.analysis}
             table: dict[str, Any] = {key: word for key, word in told.items() if word}
-            table["at"] = {**reference.at, several[0]: 0}
+            table["at"] = {**reference.at, **several}
             first = f"{place[-1]} = {toml_value(table, str(place[-1]))}"
-            said = f"{first}, or that `at` for both sides; or, of those that exist, {one_of_all}"
+            said = f"{first}, or that `at` for both sides{one_of_all}"
         report.add(place, message, said)
 
 

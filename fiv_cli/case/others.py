@@ -71,7 +71,8 @@ def check_others(case: Case, report: Report) -> None:
             other, variable = reference.case, reference.variable
             found = _found(other, variable, place, report) if other else None
             if found is not None:
-                check_number(found, claim, reference, place, report)
+                foreign = _foreign(_read(file_of(other, case.source)), case)
+                check_number(found, claim, reference, place, report, foreign)
     for at, name, variable, level in _lines_of_others(case):
         line = _found(name, variable, at, report)
         if line is not None and _has_no_line(line, level):
@@ -82,6 +83,16 @@ def check_others(case: Case, report: Report) -> None:
                 "the level of one, such as growth_rate; or of crossings, such as critical_value, "
                 "the axis along which they lie, in place of a number",
             )
+
+
+def _foreign(other: Case, case: Case) -> dict[str, float]:
+    """Axes of several values that another case has alone -> the first value of each."""
+    own = {name for axis in case.axes for name in (axis.name, axis.dim)}
+    return {
+        axis.name: axis.values[0]
+        for axis in other.axes
+        if len(axis.values) > 1 and not {axis.name, axis.dim} & own
+    }
 
 
 def _has_no_line(variable: Variable, level: object) -> bool:
