@@ -3794,6 +3794,29 @@ def test_the_share_of_what_all_of_a_sample_show_or_none_has_a_bound(reached, sha
     assert "standard error; at 0 and 1: 95% bound" in legend_texts(ax)
 
 
+@pytest.mark.parametrize(("told", "undecided"), [(0, 1), (0, 9), (60, 20), (100, 100), (190, 10)])
+def test_the_error_of_a_share_holds_those_of_all_that_its_undecided_starts_may_be(told, undecided):
+    found = data.basin().assign_attrs(starts_json=json.dumps({"any": "random"}))
+    count = found.sizes["initial"]
+    reached = ["periodic"] * told + ["undecided"] * undecided
+    reached += ["equilibrium"] * (count - len(reached))
+    found["attractor"][0] = data.codes(data.ATTRACTORS, np.array(reached))
+    over = {"what": "share", "of": "periodic", "over": ["initial"]}
+    settings = {"x": "Omega", "variable": "attractor", "take": over}
+    (ax,) = draw(found, figure("curve", **settings)).axes
+    (bars,) = (own for own in ax.collections if str(own.get_label()).endswith("error bar"))
+    low, high = bars.get_segments()[0][:, 1]
+    missed = 1.0 - 0.05 ** (1.0 / count)
+    shares = np.arange(told, told + undecided + 1) / count
+    off = np.where(shares % 1.0 > 0.0, np.sqrt(shares * (1.0 - shares) / count), missed)
+    least, greatest = (
+        np.clip((shares - off).min(), 0.0, 1.0),
+        np.clip((shares + off).max(), 0.0, 1.0),
+    )
+    assert low <= least + 1e-12 and greatest - 1e-12 <= high
+    assert high - low <= 1.3 * (greatest - least)  # it is no wider than it must be, or little
+
+
 def test_a_map_counts_the_filled_in_points_of_what_it_shows():
     """Not those of the panels that a selection leaves out."""
     grid = data.axes(N0=[1.0, 2.0], mu_k=[0.1, 0.2], Omega=[1.0, 2.0, 3.0])
@@ -3868,7 +3891,7 @@ def test_a_share_between_two_has_an_error_beyond_both():
     taking = {"what": "share", "of": "periodic", "over": ["initial"]}
     (ax,) = draw(points, figure("curve", variable="attractor", take=taking)).axes
     ends = [line[:, 1] for one in ax.collections for line in one.get_segments() if len(line)]
-    error = np.sqrt(0.55 * 0.45 / 20)
+    error = np.sqrt(0.5 * 0.5 / 20)  # the greatest of what lies between
     assert np.isclose(ends, [0.5 - error, 0.6 + error]).all(axis=1).sum() == 2
 
 

@@ -30,7 +30,7 @@ from fiv_cli.reading.datasets import (
     standard_error_of,
     unknown_points,
 )
-from fiv_cli.reading.shares import ERROR, SURE, most_missed
+from fiv_cli.reading.shares import ERROR, SURE, sampling_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -1158,7 +1158,7 @@ def _errors(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
         return numbers(known).fillna(np.inf).broadcast_like(array)
     error = dataset.get(_standard_error(name), 0.0 * array)
     if "starts" in error.attrs:
-        error = error.where(error != 0.0, most_missed(error.attrs["starts"]))
+        error = sampling_error(dataset)
     return error.broadcast_like(array)
 
 
@@ -1191,7 +1191,7 @@ def _told_by_bars(dataset: xr.Dataset, name: str) -> str:
     error = dataset.get(_standard_error(name))
     if error is None or not bool(error.notnull().any()):
         return ""
-    certain = "starts" in error.attrs and bool((error == 0.0).any())
+    certain = "starts" in error.attrs and bool((sampling_error(dataset) > error).any())
     return "standard error" + f"; at 0 and 1: {1.0 - SURE:.0%} bound" * certain
 
 

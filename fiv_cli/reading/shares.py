@@ -179,13 +179,24 @@ def with_standard_error(
         return shares
     if not is_sample(taken_of, drawn):
         return shares
-    share, size = shares["share"], taken_of.sizes.get("initial", 1)
-    return shares.assign({ERROR: standard_error(share, size).assign_attrs(starts=size)})
+    # of what lies between two ends, as starts are undecided, the greatest: it rises up to one half
+    ends, size = (shares["share_low"], shares["share_high"]), taken_of.sizes.get("initial", 1)
+    dearest = np.clip(0.5, *ends)
+    return shares.assign({ERROR: standard_error(dearest, size).assign_attrs(starts=size)})
 
 
 def standard_error(share: Any, size: Any) -> Any:
     """That of a share of so many starts drawn at random; numbers, or arrays of them."""
     return (share * (1.0 - share) / size) ** 0.5
+
+
+def sampling_error(shares: xr.Dataset) -> xr.DataArray:
+    """How far shares of a sample may be off: the standard error, or what none and all may hide."""
+    error, low, high = shares[ERROR], shares["share_low"], shares["share_high"]
+    hidden = most_missed(error.attrs["starts"])
+    for bound in ((hidden - high).where(low == 0.0, 0.0), (hidden - 1.0 + low).where(high == 1.0)):
+        error = error.where(~(bound > error), bound)
+    return error
 
 
 def most_missed(size: int) -> float:
