@@ -2886,7 +2886,7 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
     (tmp_path / "runs").mkdir()
     response = with_growth()["response"]
     many = response["Omega"].values
-    few = many[:: many.size // 4]
+    few = many[np.linspace(0, many.size - 1, 5).round().astype(int)]
     long_name = {"long_name": "critical value of N0"}
     notes = {}
     for name, x, values in (
@@ -2894,6 +2894,7 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
         ("few", few, 4.0 * few),
         ("leap", many, 4.0 * many + np.where(many < many[9], 20.0, 0.0)),
         ("short", many, np.where(many < many[9], np.nan, 4.0 * many)),
+        ("narrow", many[:12], 4.0 * many[:12]),
     ):
         found = {"critical_value": ("Omega", values, long_name)}
         found["status"] = data.statuses(("Omega",), np.full(x.size, "ok"))
@@ -2908,6 +2909,9 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
     assert f"not joined between Omega = {ends[0]} and {ends[1]}, where it steps" in apart
     (short,) = notes["short"]
     assert "its line ends where there is no value, at 9 places along Omega" in short
+    (narrow,) = notes["narrow"]
+    end = words.number_text(many[11], many.tolist())
+    assert f"its line ends at Omega = {end}, where the values of its case end" in narrow
     both = data.stability_map(initial=("near", "far"))
     far = [np.nan, 20.0] * np.ones((many.size, 1))
     found = {"critical_value": (("Omega", "initial"), far, long_name)}

@@ -31,6 +31,8 @@ COARSE = 1  # places of a map on a straight piece of a line
 LEFT_OPEN = "undecided_in_part"
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
+Joined = tuple[np.ndarray, np.ndarray, list[list[curve.Place]]]
+"""Places along an axis, crossings there, shape (places, crossings), and which make a line."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +78,29 @@ class CriticalLines:
                 f"{self._words}: its line ends where there is no value, at {lacking} places along "
                 f"{along.name}; fiv show of its dataset says why"
             )
+        if stops := [labels.number_text(x[at], x.tolist()) for at in self._stops(x, drawn)]:
+            yield (
+                f"{self._words}: its line ends at {along.name} = {listed(stops)}, where the values "
+                f"of its case end and the map does not; a wider {along.name} there leads it on"
+            )
         between = np.diff(np.searchsorted(np.sort(points.positions(along)), np.sort(x)))
         if between.max(initial=0) > COARSE:
             yield (
                 f"{self._words}: straight between its {x.size} values of {along.name}, of which "
                 "the map has more; as many in its case bend it"
             )
+
+    def _stops(self, x: np.ndarray, drawn: Sequence[Joined]) -> list[int]:
+        """At which of its outer places a line ends within the map, which goes on."""
+        ends = {own.name: points.positions(own) for own in self.axes}
+        mapped, (upright,) = ends.pop(self._along.name), ends.values()
+        step = np.ptp(mapped) / max(mapped.size - 1, 1)
+        outer = [
+            *([int(x.argmin())] if x.min(initial=np.inf) > mapped.min() + step else []),
+            *([int(x.argmax())] if x.max(initial=-np.inf) < mapped.max() - step else []),
+        ]
+        inside = [(upright.min() <= own) & (own <= upright.max()) for _, own, _ in drawn]
+        return [at for at in outer if any(own[at].any() for own in inside)]
 
     def keys(self, colour: ColorType) -> list[Line2D]:
         """Its entry of a legend."""
@@ -128,8 +147,8 @@ class CriticalLines:
         """The axis of the map along which the values are known."""
         return self.axes[1 if self._is_turned else 0]
 
-    def _joined(self, panel: points.Line) -> tuple[np.ndarray, np.ndarray, list[list[curve.Place]]]:
-        """Places along the axis, crossings there, shape (places, crossings), and lines of them."""
+    def _joined(self, panel: points.Line) -> Joined:
+        """What is drawn in a panel."""
         along = self._along
         dataset = self._on_the_map(along)
         array, x = self._of_the_border(dataset), points.positions(dataset[along.name])
