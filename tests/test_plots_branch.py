@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_hex
+from matplotlib.lines import Line2D
 
 from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
@@ -453,3 +455,20 @@ def test_a_branch_that_is_a_part_of_anothers_is_seen_beneath_it() -> None:
     assert branch._lies_on(part, whole) and not branch._lies_on(whole, part)
     assert not branch._lies_on(part + np.array([0.0, 0.1, 0.0]), whole)
     assert not branch._lies_on(part[:0], whole) and not branch._lies_on(part, whole[:1])
+
+
+@pytest.mark.parametrize("words", [{}, {"stable cycle": "cycle", "unstable cycle": "cycle"}])
+def test_no_two_keys_of_amplitudes_look_alike_whichever_file_is_first(
+    fluttering: tuple[Any, Any], words: dict[str, str]
+) -> None:
+    spec = FigureSpec("curve", "curve", {"variable": "x_amplitude", "words": words})
+    told = []
+    for layers in ([("", one) for one in fluttering], [("", one) for one in fluttering[::-1]]):
+        (ax,) = draw(layers, spec).axes
+        legend = ax.get_legend()
+        keys = [one for one in legend.legend_handles if isinstance(one, Line2D)]
+        looks = [(to_hex(k.get_color()), k.get_linestyle(), k.get_marker()) for k in keys]
+        assert len({*looks}) == len(looks)
+        told.append([text.get_text() for text in legend.get_texts()])
+        assert told[-1].count("cycle") == 2 * bool(words)  # a solid line and dashes
+    assert told[0] == told[1]

@@ -60,7 +60,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
     Those of a single panel stand in the legend. Motions of further datasets lie over it.
     """
-    first, *others = sorted(layers, key=lambda layer: not suits(layer.dataset))
+    first, *others = layers
     dataset = _of_starts(first.dataset)
     names = _components(dataset, settings)
     known = is_class(dataset["status"], ("ok", "budget"))

@@ -540,7 +540,10 @@ def _panel(
         mark = {**own[0].mark, **({} if own[0].is_marked else {"marker": "None"})}
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
     lies_below, framed = any(not curve.sort for curve, _ in lines), False
+    of_rests = len({curve.label for curve, _ in lines if curve.is_rest})
     for place, (curve, entry) in enumerate(lines):
+        if curve.is_rest and of_rests == 1:  # whose they are is plain, and that they are no cycles
+            entry = replace(entry, colour=style.BLACK)
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
         most_seen = branch.MOST_BENEATH
         upon[(curve.y == 0.0) & (upon > most_seen)] = 0  # along the axis more would be a bar
@@ -647,7 +650,7 @@ def _plot(
     """
     y = np.where(curve.is_wide, np.nan, curve.y) + shift
     look = {"color": entry.colour, "zorder": 1.9 if curve.sort else 2.0, **curve.mark}
-    if curve.is_branch:  # it is seen beneath what starts lead to
+    if curve.is_branch and curve.dash == "-":  # it is seen beneath what starts lead to
         look["lw"] = _width(2)
     known = np.where(curve.open, np.nan, y)
     hidden = np.where(upon > 0, known, np.nan)
@@ -800,6 +803,11 @@ class _Curve:
     def is_branch(self) -> bool:
         """Whether it is a branch of cycles, close enough to each other for a smooth line."""
         return self.sort.endswith(" cycle")
+
+    @property
+    def is_rest(self) -> bool:
+        """Whether it is an equilibrium beside cycles."""
+        return self.sort.endswith(" equilibrium")
 
     def marked_as_others(self) -> _Curve:
         """The same; of crossings whose mark tells nothing, with that of other lines, where they

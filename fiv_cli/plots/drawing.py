@@ -216,6 +216,7 @@ def draw(
         source if isinstance(source, list | tuple) else [("", source)]
     )
     analyses = [(label, _analyses(one)) for label, one in named]
+    analyses.sort(key=lambda one: not any(map(kind.suits, one[1].values())))  # what lies over some
     if not (kind.completed and any(_has_asked(one, figure) for _, one in analyses)):
         for _, one in analyses:
             _refuse_other_analysis(one, figure)
