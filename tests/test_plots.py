@@ -4470,6 +4470,11 @@ def test_of_whole_periods_a_spectrum_has_upright_lines_at_their_harmonics(period
     np.testing.assert_allclose(height[seen], [1.0, 0.2, 1e-4][:lines], rtol=1e-9)
     assert right == pytest.approx(1.05 * x[seen].max())
     assert not log or ax.get_ylim()[0] == pytest.approx(1e-6 * top)
+    (both,) = draw(found, figure("spectrum", variable=["phi", "theta"])).axes
+    x, _ = np.transpose([line.get_transform().transform((2.0, 0.5)) for line in both.lines])
+    wide = both.lines[0].get_linewidth() / 72.0 * both.figure.dpi
+    assert x[1] - x[0] > wide  # one does not hide the other
+    assert both.get_ylim()[1] == pytest.approx(1.05)
 
 
 def test_the_spectrum_of_what_jumps_between_samples_knows_where():

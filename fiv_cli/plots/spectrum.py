@@ -8,11 +8,12 @@ transform of its samples.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import LogNorm
+from matplotlib.transforms import ScaledTranslation
 
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import ENDED_EARLY
@@ -39,6 +40,7 @@ CLOSED = 1e-6  # share of its extent within which a motion that ends where it be
 MARGIN = 1.05  # of the highest frequency that is shown
 LOG_DECADES, LINEAR_DECADES = 6.0, 2.0  # of amplitude on an axis of them, and on a plain one
 NO_JUMPS = np.zeros(0), np.zeros(0)
+UPRIGHT, ASIDE = 0.8, 1.5  # pt: width of a line; widths from one of a frequency to the next
 FEW = 3  # spectra that are lines, though a parameter varies
 DECADES = 3.0  # of amplitude in a colour scale; what is less has its lowest colour
 
@@ -154,11 +156,10 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     written: Annotation | None = None
     for number, (line, colour) in enumerate(zip(lines, colours, strict=True)):
         frequency, height = _shape(dataset.isel(line.index))
-        width = 0.8 * (1 + (len(lines) - 1 - number) / len(lines))  # one is seen behind another
         x = frequency * factor_of(settings)
         place, words = _fundamental(dataset.isel(line.index), (x, height), settings)
         label = points.joined(line.label, words) if len(lines) > 1 else line.label
-        ax.plot(x, height, color=colour, label=label, lw=width, solid_capstyle="butt")
+        _plot_among(ax, x, height, number, len(lines), color=colour, label=label)
         if words and len(lines) == 1:  # words of several would lie on one another
             written = ax.annotate(
                 words, (x[place], height[place]), (0.0, 2.0), textcoords="offset points",
@@ -214,6 +215,19 @@ def _shape(motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     return upright(harmonics, height[kept])
 
 
+def _plot_among(
+    ax: Axes, x: np.ndarray, height: np.ndarray, number: int, count: int, **look: Any
+) -> None:
+    """One of so many spectra, which is seen: upright lines beside others, else one behind them."""
+    is_upright = bool(np.isnan(height).any())
+    width = UPRIGHT * (1 if is_upright else 1 + (count - 1 - number) / count)
+    (line,) = ax.plot(x, height, lw=width, solid_capstyle="butt", **look)
+    if is_upright:  # moved when the panel has its limits, which are those of values
+        aside = (number - 0.5 * (count - 1)) * ASIDE * UPRIGHT / style.POINTS
+        scale = ax.figure.dpi_scale_trans
+        line.set_transform(ax.transData + ScaledTranslation(aside, 0.0, scale))
+
+
 def upright(frequency: np.ndarray, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A line from zero to each height, as one line with gaps."""
     feet, gaps = np.zeros(height.size), np.full(height.size, np.nan)
@@ -244,9 +258,8 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     _frame(ax, spectra, settings)  # before they are drawn: the foot of an upright is no value
     for number, ((one, name), (x, height)) in enumerate(zip(shown, spectra, strict=True)):
         label = points.joined(one.label, motion.label_of(dataset[name], settings))
-        width = 0.8 * (1 + (len(shown) - 1 - number) / len(shown))  # one is seen behind another
         colour = style.line_colours(len(shown))[number]
-        ax.plot(x, height, color=colour, label=label, lw=width, solid_capstyle="butt")
+        _plot_among(ax, x, height, number, len(shown), color=colour, label=label)
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(
         "amplitude" + (f" of {motion.label_of(dataset[names[0]], settings)}" * (len(names) == 1))
