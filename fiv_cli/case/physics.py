@@ -169,15 +169,25 @@ def _excitation_of(name: str, physics: Physics) -> str:
     return f"an axis where [{home}] has {what} = {{ amplitude = 1.0 }}" if home else ""
 
 
+USUAL = {
+    "speed": {"v0", "vb", "vd", "vdr", "vbelt", "beltspeed", "velocity"},
+    "preload": {"no", "n0", "fn", "fn0", "p0", "normalforce", "load"},
+}
+"""Role of a parameter -> what papers call such parameters, in small letters without underscores."""
+
+
 def counterpart(name: str, known: Mapping[str, Parameter]) -> str:
     """Which of the `known` parameters another model, or a word such as "preload", means by `name`.
 
     >>> counterpart("F", {p.name: p for p in all_models()["pin-on-disc"].parameters})
     "here it is 'N0' (normal preload)"
+    >>> counterpart("v_belt", {p.name: p for p in all_models()["pin-on-disc"].parameters})
+    "here it is 'Omega' (disc speed)"
     """
     tables = [model.parameters for model in all_models().values()]
     tables += [law.parameters for law in all_laws().values()]
     meant = {p.role for table in tables for p in table if p.name == name} | {name}
+    meant |= {role for role, words in USUAL.items() if name.lower().replace("_", "") in words}
     here = [p for p in known.values() if p.role in meant - {""}]
     alike = [p for p in known.values() if p.name.lower() == name.lower() and p not in here]
     said = " or ".join(f"{p.name!r} ({p.meaning})" for p in [*here, *alike])

@@ -108,15 +108,17 @@ class Parameter:
 
     def read(self, value: object) -> float:
         """`value` of a case file in SI; ValueError when it is not allowed."""
-        return self.checked(convert(check_quantity(value), self.unit))
+        number = convert(check_quantity(value), self.unit)
+        said = f"{value!r} ({number:.6g} {self.unit})" if isinstance(value, str) else ""
+        return self.checked(number, said)
 
-    def checked(self, number: float) -> float:
-        """`number` (SI); ValueError when it is not allowed."""
+    def checked(self, number: float, said: str = "") -> float:
+        """`number` (SI), `said` in other words; ValueError when it is not allowed."""
         low = number > self.minimum if self.exclusive else number >= self.minimum
         if not (low and number <= self.maximum):
-            raise ValueError(f"{number!r} is out of range")
+            raise ValueError(f"{said or repr(number)} is out of range")
         if self.integer and number != int(number):
-            raise ValueError(f"{number!r} is not a whole number")
+            raise ValueError(f"{said or repr(number)} is not a whole number")
         return number
 
 
