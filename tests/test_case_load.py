@@ -853,6 +853,7 @@ class TestOverrides:
         [
             ("modl.name=1", "modl", "did you mean 'model'"),
             ("model.parameters.n=1", "model.parameters.n", "did you mean 'N'"),
+            ("model.parameters.v_belt=1", "model.parameters.v_belt", "here it is 'v'"),
             ("model.parameters.m=-1", "model.parameters.m", ""),
             ("analysis.histori.t_end=1", "analysis.histori.t_end", "did you mean 'history'"),
             ("analysis.3.t_end=1", "analysis.3.t_end", "there are: 0, history"),
