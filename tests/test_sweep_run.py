@@ -693,7 +693,9 @@ def test_a_line_tells_time_rate_and_what_is_left() -> None:
 
 def test_a_run_that_waits_for_its_first_point_says_what_bounds_one() -> None:
     course = Course(1, [0.0], [0])
-    assert course.pace(90.0) == "90 s elapsed"  # which compiling may take
+    assert course.pace(90.0) == "90 s elapsed, being prepared"
+    course.turn("response", 0)
+    assert course.pace(90.0) == "90 s elapsed"
     assert course.pace(240.0).startswith("4 min elapsed: t_max, or --time-limit, bounds")
 
 
@@ -734,6 +736,24 @@ def test_a_rate_is_that_of_its_analysis() -> None:
     assert course.pace(71.0) == told
     course.turn("response", 0, grows=True)  # a map that is being refined
     assert course.pace(71.0) == f"{told} with the points that are known so far"
+
+
+def test_what_a_run_compiles_before_its_first_point_is_no_part_of_its_pace() -> None:
+    lines: list[str] = []
+    now = [0.0]
+    progress = Lines(lines.append, "", lambda: now[0])
+    progress.begin(100, 0)
+    now[0] = 90.0
+    progress.tell()
+    progress.turn("response", 0, False)
+    now[0] = 110.0
+    progress.advance(20, 0)
+    progress.tell()
+    progress.end()
+    assert lines[1:] == [
+        "0 of 100 points done, 0 failed; 90 s elapsed, being prepared",
+        "20 of 100 points done, 0 failed; 110 s elapsed, 1 points/s, some 80 s to go",
+    ]
 
 
 def test_a_log_says_which_analysis_came_how_far(tmp_path: Path) -> None:

@@ -76,7 +76,9 @@ class _Followed:
         self.course.total = total
 
     def turn(self, name: str, later: int, grows: bool) -> None:
-        """A pace of its own."""
+        """A pace of its own, from now on: what was compiled before it is no part of that."""
+        if name != self.course.name:
+            self.course.note(self.clock(), 0)
         self.course.turn(name, later, grows)
 
     def advance(self, points: int, failed: int) -> None:
