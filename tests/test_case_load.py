@@ -548,7 +548,11 @@ class TestBadInput:
             (["[solver]", "max_events = 1.5"], "solver.max_events", "does not fit"),
             (["[solver]", "step = 0"], "solver.step", "out of range"),
             (["[model.parameters]", "m = -1"], "model.parameters.m", "out of range"),
-            (["[model.parameters]", "m = '-30 g'"], "model.parameters.m", "'-30 g' (-0.03 kg) is out"),
+            (
+                ["[model.parameters]", "m = '-30 g'"],
+                "model.parameters.m",
+                "'-30 g' (-0.03 kg) is out",
+            ),
             (["[model.parameters]", "m = nan"], "model.parameters.m", "finite"),
             (["[model.parameters]", "m = inf"], "model.parameters.m", "finite"),
             (["[model.parameters]", "m = true"], "model.parameters.m", "boolean"),

@@ -129,9 +129,8 @@ def steep(
             y, x = np.argwhere(several)[0]
             on = [level for level, own in zip(levels, mine, strict=True) if own[y, x]]
             place = ", ".join(
-                f"{axis.name} = {labels.number_text(float(axis[index]), axis.values.tolist())}"
+                f"{axis.name} = {_number(axis, index)}"
                 for axis, index in zip(axes, (x, y), strict=True)
-                if axis.dtype.kind == "f"
             )
             more = f" and at {several.sum() - 1} points more" * bool(several.sum() > 1)
             told = listed([labels.number_text(level, levels) for level in on])
@@ -139,6 +138,59 @@ def steep(
                 f"{array.name} = {told}: their lines run round {place}{more}, where it jumps or "
                 "the grid is coarse: an axis that ends beside it, or a larger num"
             )
+
+
+def saddles(
+    array: xr.DataArray,
+    axes: tuple[xr.DataArray, xr.DataArray],
+    panels: Sequence[Panel],
+    levels: Sequence[float],
+) -> Iterator[str]:
+    """Which levels lie between four points such that both ways of joining them are right."""
+    found = {
+        level: np.concatenate(
+            [_saddles(part, level) for panel in panels for plane in panel[number] for part in plane]
+        )
+        for number, level in enumerate(levels)
+    }
+    met = [level for level, cells in found.items() if cells.size]
+    if met:
+        cells = np.concatenate([found[level] for level in met])
+        between = ", ".join(
+            f"{axis.name} = {_number(axis, at)} and {_number(axis, at + 1)}"
+            for axis, at in zip(axes, cells[0][::-1], strict=True)
+        )
+        more = f" and in {len(cells) - 1} cells more" * (len(cells) > 1)
+        yield (
+            f"{array.name} = {listed([labels.number_text(level, levels) for level in met])}: "
+            f"between {between}{more} the points do not tell which of them its lines part, as on a "
+            "saddle: a larger num does"
+        )
+
+
+def _saddles(part: np.ndarray, level: float) -> np.ndarray:
+    """Cells, shape (n, 2), of which the corners across lie on one side of a level, both pairs.
+
+    None at islands, round which its lines run whichever way they are joined.
+    """
+    if min(part.shape) < 2:
+        return np.zeros((0, 2), int)
+    known = np.isfinite(part) & ~np.any(_islands(part, level), axis=0)
+    values, sound = (sliding_window_view(one, (2, 2)).reshape(-1, 4) for one in (part, known))
+    above = values > level
+    across = (above[:, 0] == above[:, 3]) & (above[:, 1] == above[:, 2])
+    is_saddle = sound.all(axis=1) & across & (above[:, 0] != above[:, 1])
+    return np.argwhere(is_saddle.reshape(part.shape[0] - 1, -1))
+
+
+def _number(axis: xr.DataArray, index: int) -> str:
+    """A place along an axis."""
+    value = axis.values[index]
+    return (
+        labels.number_text(float(value), axis.values.tolist())
+        if axis.dtype.kind == "f"
+        else str(value)
+    )
 
 
 def _islands(part: np.ndarray, level: float) -> list[np.ndarray]:

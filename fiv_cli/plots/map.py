@@ -214,7 +214,8 @@ class _Lines:
         array, ends = self.planes.array, self.ends
         yield from level_notes.crowded(array, ends, self.levels)
         yield from level_notes.scattered(array, ends, self.levels)
-        yield from level_notes.steep(array, self.planes.axes, ends, self.levels)
+        for told in (level_notes.steep, level_notes.saddles):
+            yield from told(array, self.planes.axes, ends, self.levels)
         unsure = points.gaps(self.planes.dataset).get(UNDECIDED, array.isnull() & False)
         undecided = [self.planes.of(unsure, panel) for panel in self.planes.panels]
         yield from level_notes.broken(array, ends, self.levels, undecided)
