@@ -404,6 +404,15 @@ def test_an_axis_that_the_other_case_alone_has_is_told_with_all_that_narrows_it(
         assert f"at = {{ {own} }} }}" in told.allowed
         this.write_text(claim(variable, f"{{ {told.allowed.partition(', or that')[0]} }}", *at))
         load_case(this)
+    zipped = "[0.5, 1.0]\nN = [1.0, 2.0]\nm = [1.0, 2.0]\n[sweep]\nzip = [['N', 'm']]"
+    other.write_text(BELT.replace("[0.5, 1.0]", zipped))
+    said = "less_than = { case = 'other', variable = 'L_s', times = 0.5"
+    this.write_text(claim("L_s", f"{{ {said} }} }}"))
+    with pytest.raises(CaseError, match=r"at = { N = 1.0 }, times = 0.5 }"):
+        load_case(this)
+    for name in ("N", "m"):  # either tells which
+        this.write_text(claim("L_s", f"{{ {said}, at = {{ {name} = 2.0 }} }} }}"))
+        load_case(this)
 
 
 def test_a_case_whose_line_a_map_draws_is_read_where_it_lies(tmp_path: Path) -> None:

@@ -495,13 +495,13 @@ def check_number(
     reference: Reference,
     place: Path,
     report: Report,
-    foreign: Mapping[str, float] | None = None,
+    foreign: Mapping[str, object] | None = None,
 ) -> None:
     """Note what is not one number at each point, with which alone a claim can compare.
 
     `foreign` : axes of the other case alone -> their first value
     """
-    wanted = dict.fromkeys(other.dims, 0) | dict(foreign or {})
+    wanted: dict[str, object] = {**dict.fromkeys(other.dims, 0), **(foreign or {})}
     several = {dim: at for dim, at in wanted.items() if dim not in {*claim.at, *reference.at}}
     if reference.take:
         return
@@ -517,6 +517,7 @@ def check_number(
             told = {"case": reference.case, "variable": other.name, "analysis": reference.analysis}
             table: dict[str, Any] = {key: word for key, word in told.items() if word}
             table["at"] = {**reference.at, **several}
+            table |= {"times": reference.times} if reference.times != 1.0 else {}
             first = f"{place[-1]} = {toml_value(table, str(place[-1]))}"
             said = f"{first}, or that `at` for both sides{one_of_all}"
         report.add(place, message, said)
@@ -687,17 +688,19 @@ def _check(name: str, known: Mapping[str, Variable | None], place: Path, report:
         meant = meant or suggest(name, variables)
         if given := computed_by(name):
             meant = f"{meant or told}; {given}"
-        held = variables if place[0] == "figure" else _with_own_dims(known)
-        report.unknown(place, message, name, held, told if ":" in name else meant or told)
+        said, held = told if ":" in name else meant or told, [*variables]
+        if place[0] == "claim" and (dims := _own_dims(known)):
+            held = [f"{one} [{', '.join(dims[one])}]" if one in dims else one for one in variables]
+            first = next(iter(dims.values()))[0]
+            said += f"; of what has [{first}], at = {{ {first} = 0 }} tells which"
+        report.unknown(place, message, name, held, said)
     return name in known
 
 
-def _with_own_dims(known: Mapping[str, Variable | None]) -> list[str]:
-    """Names of variables, with the dims over which one has several values at a point."""
-    told = [variable for variable in known.values() if variable is not None]
-    dims = list(dict.fromkeys(dim for one in told for dim in one.dims))
-    meaning = [f"where [{dims[0]}]: at = {{ {dims[0]} = 0 }}, say, tells which"] if dims else []
-    return [*(one.name + f" [{', '.join(one.dims)}]" * bool(one.dims) for one in told), *meaning]
+def _own_dims(known: Mapping[str, Variable | None]) -> dict[str, tuple[str, ...]]:
+    """The dims over which a variable has several values at a point, of each that has some."""
+    told = (variable for variable in known.values() if variable is not None)
+    return {one.name: tuple(one.dims) for one in told if one.dims}
 
 
 def _of_one_contact(name: str, known: Mapping[str, Variable | None], place: Path) -> str:

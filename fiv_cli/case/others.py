@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from fiv_cli.analyses.variables import Variable
@@ -71,7 +71,8 @@ def check_others(case: Case, report: Report) -> None:
             other, variable = reference.case, reference.variable
             found = _found(other, variable, place, report) if other else None
             if found is not None:
-                foreign = _foreign(_read(file_of(other, case.source)), case)
+                given = {*claim.at, *reference.at}
+                foreign = _foreign(_read(file_of(other, case.source)), case, given)
                 check_number(found, claim, reference, place, report, foreign)
     for at, name, variable, level in _lines_of_others(case):
         line = _found(name, variable, at, report)
@@ -85,14 +86,17 @@ def check_others(case: Case, report: Report) -> None:
             )
 
 
-def _foreign(other: Case, case: Case) -> dict[str, float]:
-    """Axes of several values that another case has alone -> the first value of each."""
-    own = {name for axis in case.axes for name in (axis.name, axis.dim)}
-    return {
-        axis.name: axis.values[0]
-        for axis in other.axes
-        if len(axis.values) > 1 and not {axis.name, axis.dim} & own
-    }
+def _foreign(other: Case, case: Case, given: Collection[str]) -> dict[str, object]:
+    """Axes of several values that another case has alone -> the first value of each.
+
+    Of those that are zipped the first stands for all; none where one of them is `given`.
+    """
+    known, found = {axis.name for axis in case.axes} | {*given}, dict[str, object]()
+    for axis in (one for one in other.axes if len(one.values) > 1):
+        together = next((zipped for zipped in other.zips if axis.name in zipped), (axis.name,))
+        if not {*together} & {*known, *found}:
+            found[axis.name] = axis.values[0]
+    return found
 
 
 def _has_no_line(variable: Variable, level: object) -> bool:
