@@ -109,7 +109,8 @@ class Parameter:
     def read(self, value: object) -> float:
         """`value` of a case file in SI; ValueError when it is not allowed."""
         number = convert(check_quantity(value), self.unit)
-        said = f"{value!r} ({number:.6g} {self.unit})" if isinstance(value, str) else ""
+        is_told = isinstance(value, str) and self.unit != "1"
+        said = f"{value!r} ({number:.6g} {self.unit})" if is_told else ""
         return self.checked(number, said)
 
     def checked(self, number: float, said: str = "") -> float:

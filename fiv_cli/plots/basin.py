@@ -263,7 +263,7 @@ def _lay_over(
         until = path.once_around() if dash != "-" else np.inf  # dashes would fill their gaps
         whole, look = path.between(-np.inf, until), {"color": style.BLACK, "lw": 1.0, "ls": dash}
         for ax in _panels_of(one, axes, parts):
-            path.draw(ax, [whole], one.label, zorder=3.2, **look)
+            path.draw(ax, whole, one.label, zorder=3.2, **look)
             ax.autoscale_view()
 
 

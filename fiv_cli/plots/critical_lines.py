@@ -95,10 +95,8 @@ class CriticalLines:
         ends = {own.name: points.positions(own) for own in self.axes}
         mapped, (upright,) = ends.pop(self._along.name), ends.values()
         step = np.ptp(mapped) / max(mapped.size - 1, 1)
-        outer = [
-            *([int(x.argmin())] if x.min(initial=np.inf) > mapped.min() + step else []),
-            *([int(x.argmax())] if x.max(initial=-np.inf) < mapped.max() - step else []),
-        ]
+        outer = [int(x.argmin())] * bool(mapped.min() + step < x.min() <= mapped.max())
+        outer += [int(x.argmax())] * bool(mapped.min() <= x.max() < mapped.max() - step)
         inside = [(upright.min() <= own) & (own <= upright.max()) for _, own, _ in drawn]
         return [at for at in outer if any(own[at].any() for own in inside)]
 

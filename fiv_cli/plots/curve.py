@@ -541,8 +541,9 @@ def _panel(
         ax.plot([], [], ls=dash, color=style.BLACK, label=sort, **mark)
     lies_below, framed = any(not curve.sort for curve, _ in lines), False
     of_rests = len({curve.label for curve, _ in lines if curve.is_rest})
+    of_cycles = len({curve.words.get(DATASET) for curve, _ in lines if curve.is_branch})
     for place, (curve, entry) in enumerate(lines):
-        if curve.is_rest and of_rests == 1:  # whose they are is plain, and that they are no cycles
+        if curve.is_rest and of_rests == 1 and of_cycles <= 1:  # whose they are is plain
             entry = replace(entry, colour=style.BLACK)
         upon = sum((_upon(other, (curve, entry)) for other in lines[place + 1 :]), 0 * curve.x)
         most_seen = branch.MOST_BENEATH

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, cycle
+from functools import cached_property
+from itertools import chain, cycle, pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,9 +40,9 @@ MARK: dict[str, Any] = {"ms": 5, "mfc": "none", "color": style.BLACK, "ls": "non
 AWAY, BACK = 0.1, 1e-3
 MOST, INSTANTS = 0.998, 20_000
 # What jumps at an event, by more than this share of its extent, is neither before nor after it; of
-# what reaches no farther than that no line would be seen: it is a dot.
+# what reaches no farther no line would be seen: it is a dot.
 JUMP: dict[str, Any] = {"color": "#777777", "ls": ":", "lw": 1.0}
-FAR, SEEN, DOT = 1e-3, 0.01, 4.0
+SEEN, DOT = 0.01, 4.0
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
@@ -159,30 +160,31 @@ class _Path:
                 return float(even[lag])
         return np.inf
 
-    def between(self, begin: float, end: float) -> np.ndarray:
-        """What of it lies between two instants, smooth where it may be; no jump at the first."""
-        first, last = np.searchsorted(self.time, (begin, end))
+    def between(self, begin: float, end: float) -> list[np.ndarray]:
+        """What of it lies between two instants, smooth where it may be, in pieces between jumps."""
+        first, last = np.searchsorted(self.time, (begin, end)).tolist()
         if self.is_coarse:
-            return self.points[first:last]
-        part = slice(max(0, np.searchsorted(self.time, begin, "right") - 1), last + 1)
-        return _smooth(self.time[part], self.points[part])
+            return [self.points[first:last]]
+        first = max(0, int(np.searchsorted(self.time, begin, "right")) - 1)  # after what is there
+        cuts = [at for at in np.flatnonzero(self.is_jump) + 1 if first < at <= last]
+        bounds = pairwise([first, *cuts, last + 1])
+        return [_smooth(self.time[a:b], self.points[a:b]) for a, b in bounds if a < b]
 
-    @property
+    @cached_property
     def is_jump(self) -> np.ndarray:
         """Which of its steps from point to point take no time and go far."""
-        far = abs(np.diff(self.points, axis=0)) > FAR * np.ptp(self.points, axis=0)
-        return (np.diff(self.time) <= 0.0) & far.any(axis=1)
+        far = abs(np.diff(self.points, axis=0)) > SEEN * np.ptp(self.points, axis=0)
+        return ~np.bool_(self.is_coarse) & (np.diff(self.time) <= 0.0) & far.any(axis=1)
 
-    def jumps(self, instants: Sequence[float]) -> list[np.ndarray]:
-        """What is before and what is after some events, shape (2, 2), where it jumps."""
-        places = np.searchsorted(self.time, instants)
-        is_jump = np.append(self.is_jump, [False])
-        return [self.points[place : place + 2] for place in places if is_jump[place]]
+    def jumps(self, until: float) -> list[np.ndarray]:
+        """What is before and what is after each jump up to an instant, shape (2, 2)."""
+        places = np.flatnonzero(self.is_jump & (self.time[:-1] < until))
+        return [self.points[place : place + 2] for place in places]
 
     def is_seen(self, pieces: Sequence[np.ndarray]) -> bool:
         """Whether lines of some pieces are."""
         extent = SEEN * np.ptp(self.points, axis=0)
-        return any((np.ptp(piece, axis=0) > extent).any() for piece in pieces)
+        return any((np.ptp(piece, axis=0) > extent).any() for piece in pieces if piece.size)
 
     def draw(self, ax: Axes, pieces: Sequence[np.ndarray], label: str, **look: Any) -> None:
         """Pieces of one colour."""
@@ -243,12 +245,12 @@ def _portrait(
     for state, begin, end in spans:
         look = {"color": style.CLASSES[state], "lw": 1.0, "ls": mark.dash}
         part = states.setdefault(state, _Part(path, [], look))
-        part.pieces.append(path.between(begin, min(end, until)))
+        part.pieces.extend(path.between(begin, min(end, until)))
     sticks: dict[int, _Part] = {}
     for contact, *span in _bands(one, settings):
         part = sticks.setdefault(contact, _Part(path, [], _band(contact)))
-        part.pieces.append(path.between(*span))
-    return _Portrait(one, path, mark, states, sticks, path.jumps([at for _, at, _ in spans[1:]]))
+        part.pieces.extend(path.between(*span))
+    return _Portrait(one, path, mark, states, sticks, path.jumps(until))
 
 
 def _key(label: str, parts: Sequence[_Part | None]) -> Line2D | None:
@@ -257,9 +259,10 @@ def _key(label: str, parts: Sequence[_Part | None]) -> Line2D | None:
     if not there:
         return None
     look = {key: there[0].look[key] for key in ("color", "lw")}
-    if all(part.path.is_coarse for part in there):
+    fine = [part for part in there if not part.path.is_coarse]
+    if not fine:
         return Line2D([], [], label=label, marker="o", ls="none", color=look["color"])
-    if not any(part.path.is_seen(part.pieces) for part in there):
+    if not any(part.path.is_seen(part.pieces) for part in fine):
         dot = {"marker": ".", "ls": "none", "ms": DOT + look["lw"], "color": look["color"]}
         return Line2D([], [], label=label, **dot)
     return Line2D([], [], label=label, **look)

@@ -40,7 +40,8 @@ CLOSED = 1e-6  # share of its extent within which a motion that ends where it be
 MARGIN = 1.05  # of the highest frequency that is shown
 LOG_DECADES, LINEAR_DECADES = 6.0, 2.0  # of amplitude on an axis of them, and on a plain one
 NO_JUMPS = np.zeros(0), np.zeros(0)
-UPRIGHT, ASIDE = 0.8, 1.5  # pt: width of a line; widths from one of a frequency to the next
+UPRIGHT = 0.8  # pt
+ASIDE, MOST_ASIDE = 1.5, 8.0  # widths from one line of a frequency to the next, and of all
 FEW = 3  # spectra that are lines, though a parameter varies
 DECADES = 3.0  # of amplitude in a colour scale; what is less has its lowest colour
 
@@ -223,7 +224,8 @@ def _plot_among(
     width = UPRIGHT * (1 if is_upright else 1 + (count - 1 - number) / count)
     (line,) = ax.plot(x, height, lw=width, solid_capstyle="butt", **look)
     if is_upright:  # moved when the panel has its limits, which are those of values
-        aside = (number - 0.5 * (count - 1)) * ASIDE * UPRIGHT / style.POINTS
+        step = min(ASIDE, MOST_ASIDE / count) * UPRIGHT * style.weight() / style.POINTS
+        aside = (number - 0.5 * (count - 1)) * step
         scale = ax.figure.dpi_scale_trans
         line.set_transform(ax.transData + ScaledTranslation(aside, 0.0, scale))
 

@@ -344,6 +344,11 @@ def notes_on(figure: Figure) -> list[str]:
     return _NOTES.get(figure, [])
 
 
+def weight() -> float:
+    """By which lines are thicker than on a screen."""
+    return _LOOK.get().weight
+
+
 def before(figure: Figure, text: str) -> str:
     """A text of a figure, in one line, before words of one's own took the place of others."""
     words = " ".join(text.split())
@@ -665,7 +670,7 @@ def _set_words(
     figure: Figure, words: Sequence[tuple[str, str, str]], added: int
 ) -> tuple[int, bool]:
     """Fit title and labels of each panel; how many lines they have more, of `added` before, and
-    whether panels lie as they do with these."""
+    whether panels lie as they did with these, but for what other ticks need."""
     for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
         figure.draw_without_rendering()  # panels have their places then
         told = _texts(figure), added
