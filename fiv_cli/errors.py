@@ -57,6 +57,14 @@ class EmptyFigureError(UsageError):
     """A figure would show nothing: of what it draws no point has a value."""
 
 
+class CrampedFigureError(UsageError):
+    """The panels of a figure have no room for what they show; `width` in mm."""
+
+    def __init__(self, message: str, width: float) -> None:
+        super().__init__(message)
+        self.width = width
+
+
 class StorageError(UsageError):
     """An output cannot be written: no permission, no space, a folder in the way."""
 

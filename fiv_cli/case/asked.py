@@ -187,9 +187,8 @@ def _check_levels(
         if taken and name == figure.settings.get("variable"):
             message = f"this map shows the {taken} of {name!r}, and has lines at levels of that"
             report.add(place, message, f"level = {of[name]}, or {{ {taken} = ... }}")
-        elif isinstance(
-            of[name], str
-        ):  # found over the other axis: in a case that has not this one
+        elif isinstance(of[name], str) and not _classes(known.get(name)):
+            # found over the other axis: in a case that has not this one
             message = f"the line where {of[name]} has the value of {name!r} needs another case"
             report.add(place, message, '"CASE:VARIABLE" = "AXIS", found along the other axis')
         elif _check(name, known, place, report):

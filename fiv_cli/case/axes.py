@@ -69,14 +69,19 @@ class Span:
         return [float(self.start), *inner[1:-1], float(self.stop)][: self.count]
 
 
+ROUNDING = Fraction(1, 10**9)
+"""Of a step, by which a stop may be off that was rounded, as one of a conversion of units is."""
+
+
 def span_by_step(start: Fraction, stop: Fraction, step: Fraction) -> Span:
     """The axis start, start + step, ..., stop, rising or falling.
 
-    AxisError when a step does not land on stop.
+    AxisError when a step does not land on stop, but for rounding: it ends at stop, as written.
     """
     if step == 0:
         raise AxisError("the step must not be 0", "step")
     gaps = (stop - start) / step
+    gaps = Fraction(round(gaps)) if abs(gaps - round(gaps)) < ROUNDING else gaps
     if gaps < 0:
         raise AxisError(
             f"steps of {float(step)!r} from {float(start)!r} lead away from {float(stop)!r}: "

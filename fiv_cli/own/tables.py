@@ -172,6 +172,8 @@ def _default(parameter: Parameter, names: list[str]) -> Iterator[Fault]:
         if parameter.default_from not in names:
             yield none_called("Parameter", parameter.name, "default_from", "parameter", [*names],
                       str(parameter.default_from))  # fmt: skip
+    elif parameter.default_from is not None:
+        yield Fault(place, f"it has a default, {value!r}, and default_from", "one of them is None")
     elif not isinstance(value, int | float) or isinstance(value, bool) or isinf(value):
         allowed = "a number in SI; or None, and default_from = another parameter's name"
         yield Fault(place, f"its default is {value!r}", allowed)

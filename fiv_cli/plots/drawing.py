@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fiv_cli.case.case import FigureSpec
-from fiv_cli.errors import UsageError
+from fiv_cli.errors import CrampedFigureError, UsageError
 from fiv_cli.flags import MOTION_OF_A_CYCLE, NOT_COMPUTED
 from fiv_cli.notation.names import listed, pick
 from fiv_cli.plots import (
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     Source = xr.Dataset | str | Path | dict[str, xr.Dataset]
+    Sources = Source | Sequence[tuple[str, Source]]
 
 
 @dataclass(frozen=True)
@@ -191,8 +193,11 @@ def figures_called(source: Source, name: str) -> list[FigureSpec]:
     return named or [FigureSpec(name, name, {})]
 
 
+MOST_PROPOSED = 300.0  # mm: no wider figure is proposed
+
+
 def draw(
-    source: Source | Sequence[tuple[str, Source]],
+    source: Sources,
     figure: FigureSpec,
     axis: Axes | None = None,
     look: style.Look | None = None,
@@ -209,8 +214,29 @@ def draw(
 
     Raises
     ------
-    UsageError : the dataset does not hold what the figure shows; says what it holds
+    UsageError : the dataset does not hold what the figure shows, and says what it holds; or the
+        figure is too small for it, and how large it may be
     """
+    try:
+        return _drawn(source, figure, axis, look)
+    except CrampedFigureError as error:
+        wider = _wide_enough(source, figure, look or style.Look(), error.width)
+        raise UsageError(f"{error}\nnext: {wider}") from None
+
+
+def _wide_enough(source: Sources, figure: FigureSpec, look: style.Look, width: float) -> str:
+    """What gives the panels of a figure room, as drawing it anew has shown."""
+    fewer = "choose fewer panels with `select` in the figure"
+    for wide in np.arange(10.0 * (width // 10.0 + 1.0), MOST_PROPOSED, 10.0).tolist():
+        with suppress(CrampedFigureError):
+            _drawn(source, figure, None, replace(look, width=wide))
+            return f"--width {wide:g}; or {fewer}"
+    return "leave --height out" if look.height else fewer
+
+
+def _drawn(
+    source: Sources, figure: FigureSpec, axis: Axes | None, look: style.Look | None
+) -> Figure:
     kind = _kind(figure.kind)
     named: Sequence[tuple[str, Any]] = (
         source if isinstance(source, list | tuple) else [("", source)]

@@ -36,7 +36,7 @@ from matplotlib.text import Text
 from matplotlib.textpath import TextPath
 from matplotlib.ticker import AutoLocator, FuncFormatter, Locator
 
-from fiv_cli.errors import StorageError, UsageError
+from fiv_cli.errors import CrampedFigureError, StorageError, UsageError
 from fiv_cli.files import refuse_special, write_whole
 from fiv_cli.plots import drawn, labels
 
@@ -109,7 +109,6 @@ IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 MM = 1.0 / 25.4  # inches
 LEAST_PANEL = 14.4  # upright, in heights of letters
-PROPOSED = 300.0  # mm: no wider figure is proposed
 NARROW_PANEL = 6.0  # in heights of letters: less holds no more than two ticks
 NARROWEST, WIDEST = 20.0, 2000.0  # mm
 
@@ -622,7 +621,9 @@ def finish(figure: Figure) -> None:
         text.set_text(worded(text.get_text()))
     tame_texts(figure)
     if not _is_set(figure, words):
-        raise _cramped(figure, words)
+        width, height = (side / MM for side in figure.get_size_inches())
+        message = f"its panels have no room in {width:.0f} by {height:.0f} mm"
+        raise CrampedFigureError(message, float(width))
     thicken(figure)
     for artist in itertools.chain.from_iterable([*ax.lines, *ax.collections] for ax in own):
         name = str(artist.get_label()).removeprefix("_")  # which hides it from legends, not tables
@@ -650,20 +651,6 @@ def _has_room(figure: Figure) -> bool:
     places = [ax.get_position() for ax in figure.axes if ax.get_subplotspec()]
     least = NARROW_PANEL * _LOOK.get().size / POINTS
     return all(place.width * figure.get_figwidth() >= least for place in places)
-
-
-def _cramped(figure: Figure, words: Sequence[tuple[str, str, str]]) -> UsageError:
-    """That panels have no room for what they show, and what gives them enough."""
-    width, height = (side / MM for side in figure.get_size_inches())
-    tall = _LOOK.get().height
-    for wide in np.arange(10.0 * (width // 10.0 + 1.0), PROPOSED, 10.0):
-        figure.set_size_inches(wide * MM, (tall or height * wide / width) * MM)
-        if _is_set(figure, words):
-            way = f"--width {wide:g}"
-            break
-    else:
-        way = "leave --height out" if tall else "choose fewer panels with `select` in the figure"
-    return UsageError(f"its panels have no room in {width:.0f} by {height:.0f} mm\nnext: {way}")
 
 
 def _set_words(

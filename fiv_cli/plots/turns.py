@@ -4,20 +4,34 @@ from __future__ import annotations
 
 import numpy as np
 
+from fiv_cli.plots import leaps
+
 
 def up_to_turns(
     changes: np.ndarray, x: np.ndarray, every: np.ndarray, own: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Places and heights of one's own among `every` equilibrium, up to where it turns another's.
 
-    Between two neighbours that is the only one of the `changes` there, else the middle. Last comes
-    where it turns, shape (2, turns).
+    Between two neighbours that is the only one of the `changes` there, else the middle; none where
+    equilibria leap from one to the other, as where a drive changes its sense, and no line leads
+    there. Last comes where it turns, shape (2, turns).
     """
-    known, goes_on = np.isfinite(own), np.isfinite(every[1:] + every[:-1])
+    known = np.isfinite(own)
+    leap = leaps.leaps(every, np.zeros(every.size, int), _extent(every), False)
+    goes_on = np.isfinite(every[1:] + every[:-1]) & ~leap
     right = 1 + np.flatnonzero((known[1:] != known[:-1]) & goes_on)
     share = np.array([_share(changes, x[at - 1], x[at]) for at in right])
     at, height = (of[right - 1] + share * (of[right] - of[right - 1]) for of in (x, every))
-    return np.insert(x, right, at), np.insert(own, right, height), np.array([at, height])
+    cuts = 1 + np.flatnonzero(leap)
+    places = np.insert(x, [*right, *cuts], [*at, *(0.5 * (x[cuts] + x[cuts - 1]))])
+    heights = np.insert(own, [*right, *cuts], [*height, *np.full(cuts.size, np.nan)])
+    return places, heights, np.array([at, height])
+
+
+def _extent(heights: np.ndarray) -> tuple[float, float]:
+    """The least and the greatest of some, 0 without any."""
+    known = heights[np.isfinite(heights)]
+    return float(known.min(initial=np.inf)), float(known.max(initial=-np.inf))
 
 
 def _share(changes: np.ndarray, one: float, other: float) -> float:
