@@ -273,6 +273,7 @@ def test_what_will_be_there(text: str) -> None:
         (plane("level = { growth_rate = 0 }", "overlay = true"), "figure.0.overlay", "alone"),
         (plane("level = { growth = 0 }"), "figure.0.level.growth", "here it is 'growth_rate'"),
         (plane('level = { growth_rate = "v" }'), "figure.0.level.growth_rate", "another case"),
+        (plane('level = { attractor = "periodic" }'), "figure.0.level.attractor", "have no level"),
         (plane('level = { growth_rate = "" }'), "figure.0.level", "must be a number"),
         (plane("level = { damping_ratio = 0 }"), "figure.0.level.damping_ratio", "for each mode"),
         (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from decimal import Decimal
 from fractions import Fraction
@@ -166,6 +167,17 @@ class TestAxes:
         with pytest.raises(AxisError, match=r"the nearest stops are 0\.9 and 1\.2") as caught:
             span_by_step(Fraction(0), Fraction(1), Fraction(3, 10))
         assert caught.value.key == "stop"
+
+    @given(st.integers(1, 100), st.integers(1, 60), st.integers(1, 12))
+    def test_a_stop_that_a_message_names_is_taken(self, start: int, count: int, per: int) -> None:
+        """Of steps in a unit whose factor has no end, as 2 pi / 60 has none, and so is rounded."""
+        unit = Fraction(6.283185307179586) / 60
+        begin, step = start * unit, unit / per
+        with pytest.raises(AxisError) as caught:
+            span_by_step(begin, begin + (count + Fraction(2, 5)) * step, step)
+        for named in re.findall(r"[\d.]+(?:e-?\d+)?(?= and|$)", str(caught.value)):
+            values = span_by_step(begin, exact(named, "1"), step).values()
+            assert values[-1] == float(named) and len(values) in (count + 1, count + 2)
 
     def test_one_value(self) -> None:
         one = Fraction(1)

@@ -275,6 +275,7 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
         ([('p("N")),),', 'p("N")),) * 2,')], "Model(", "returns 2 contacts"),
         ([('"x", p("N"))', '"x", p("N") + p("k") * x)')], "constant_load", "is not constant"),
         ([('"mu_k": 0.2', '"mu_k": "zwei"')], "law_defaults", "the name of a parameter"),
+        ([('"kg", 1.0, "mass"', '"kg", 1.0, "mass", default_from="k"')], '"m"', "and default_from"),
         ([('p("k") * x +', '9.81 * p("m") + p("k") * x +')], "accelerations", "the bare number"),
         ([("states=lambda options: (State", "states=(State")], "states=", "one alone with a comma"),
         ([('"""A mass', 'raise SystemExit(0)\n"""A mass')], "SystemExit", "SystemExit"),
@@ -302,7 +303,8 @@ def test_a_law_on_an_axis_is_known_by_its_text_too():
          "no unit", "default", "parameter", "own force", "sign", "no friction",
          "one side of a power", "one side of a law", "pole", "pole at rest", "signed power",
          "state of a law", "taken", "law",
-         "companion", "contacts", "load", "default of a law", "number", "comma", "exit", "return",
+         "companion", "contacts", "load", "default of a law", "two defaults", "number", "comma",
+         "exit", "return",
          "unused", "series", "pull", "base", "frequency", "one way", "capacity",
          "force of no contact", "brackets", "keyword", "numpy", "import"],
 )  # fmt: skip

@@ -1124,6 +1124,20 @@ def with_eigenvalues():
     return {"response": response, "eigenvalues": eigenvalues}
 
 
+def test_equilibria_that_leap_are_joined_by_no_line_and_no_table_has_a_place_between():
+    """As where the drive of a contact changes its sense; and a turn lies between two points."""
+    analyses = with_eigenvalues()
+    states, x = analyses["response"]["L_s_reference"], analyses["response"]["Omega"].values
+    analyses["response"]["L_s_reference"] = states.where(states["Omega"] > x[9], -0.1)
+    drawn = draw(analyses, figure("bifurcation"))
+    lines = [one.get_xydata() for one in drawn.axes[0].lines if "equilibrium" in one.get_label()]
+    between = [one[(one[:, 0] > x[9]) & (one[:, 0] < x[10]), 1] for one in lines if len(one) > 2]
+    assert any(one.size for one in between) and np.isnan(np.concatenate(between)).all()
+    rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
+    told = {float(row["x"]) for row in rows if "equilibrium" in row["series"]}
+    assert told == {*x}
+
+
 def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     omega = data.bifurcation()["Omega"].values
     analyses = with_eigenvalues()
@@ -2895,6 +2909,7 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
         ("leap", many, 4.0 * many + np.where(many < many[9], 20.0, 0.0)),
         ("short", many, np.where(many < many[9], np.nan, 4.0 * many)),
         ("narrow", many[:12], 4.0 * many[:12]),
+        ("beside", many + 2.0 * many.max(), 4.0 * many),
     ):
         found = {"critical_value": ("Omega", values, long_name)}
         found["status"] = data.statuses(("Omega",), np.full(x.size, "ok"))
@@ -2909,6 +2924,8 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
     assert f"not joined between Omega = {ends[0]} and {ends[1]}, where it steps" in apart
     (short,) = notes["short"]
     assert "its line ends where there is no value, at 9 places along Omega" in short
+    (nowhere,) = notes["beside"]
+    assert "no value within the map" in nowhere
     (narrow,) = notes["narrow"]
     end = words.number_text(many[11], many.tolist())
     assert f"its line ends at Omega = {end}, where the values of its case end" in narrow
@@ -3121,6 +3138,20 @@ def test_levels_that_run_round_the_same_point_are_told(peak, told):
     place = ", ".join(f"{name} = {float(dataset[name][0]):g}" for name in ("Omega", "N0"))
     expected = f"L_s = 0.2, 0.4, 0.5: their lines run round {place}, where it jumps"
     assert [note.startswith(expected) for note in notes] == [True] * told
+
+
+@pytest.mark.parametrize(("points", "told"), [(20, True), (21, False)])
+def test_a_saddle_between_four_points_is_told(points, told):
+    """At its height two lines cross, and beside it two part: which, only a point there tells."""
+    dataset = data.stability_map(initial=("reached",), nx=points, ny=points)
+    along = np.linspace(-1.0, 1.0, points)
+    dataset["L_s"].values[:] = (1.0 + along[:, None] * along)[..., None]
+    dataset["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")
+    asked = figure("map", variable="L_s", level=[0.5, 1.0 + 1e-4])
+    notes = [note for note in style.notes_on(draw(dataset, asked)) if "saddle" in note]
+    assert [note.partition(":")[0] for note in notes] == ["L_s = 1.0001"] * told
+    middle = [f"{float(dataset[name][n]):.6g}" for name in ("Omega", "N0") for n in (9, 10)]
+    assert all(number in note for number in middle for note in notes)
 
 
 @pytest.mark.parametrize(("points", "marked"), [(20, False), (60, True)])
@@ -4322,6 +4353,13 @@ def test_a_jump_in_a_phase_portrait_is_of_neither_state_beside_it():
     assert "jump" not in legend_texts(smooth)
 
 
+def test_motions_of_which_one_is_coarse_share_a_phase_portrait():
+    coarse, fine = (sawtooth(sample)[0] for sample in (0.8, 0.09))
+    for layers in ([("a", coarse), ("b", fine)], [("b", fine), ("a", coarse)]):
+        drawn = draw(layers, figure("phase", x="phi_dot", y="F_T"))
+        assert {"jump", SLIP_PLUS, SLIP_MINUS} <= {*legend_texts(drawn)}
+
+
 def test_what_no_line_would_show_in_a_phase_portrait_is_a_dot():
     """One that lasts for a sample of hundreds."""
     found = data.history(labels=("far",))
@@ -4471,10 +4509,13 @@ def test_of_whole_periods_a_spectrum_has_upright_lines_at_their_harmonics(period
     assert right == pytest.approx(1.05 * x[seen].max())
     assert not log or ax.get_ylim()[0] == pytest.approx(1e-6 * top)
     (both,) = draw(found, figure("spectrum", variable=["phi", "theta"])).axes
-    x, _ = np.transpose([line.get_transform().transform((2.0, 0.5)) for line in both.lines])
-    wide = both.lines[0].get_linewidth() / 72.0 * both.figure.dpi
-    assert x[1] - x[0] > wide  # one does not hide the other
     assert both.get_ylim()[1] == pytest.approx(1.05)
+    for look in ("screen", "paper", "talk"):
+        asked = figure("spectrum", variable=["phi", "theta"])
+        (both,) = draw(found, asked, look=look_of(look)).axes
+        x, _ = np.transpose([line.get_transform().transform((2.0, 0.5)) for line in both.lines])
+        wide = both.lines[0].get_linewidth() / 72.0 * both.figure.dpi
+        assert x[1] - x[0] > wide  # one does not hide the other
 
 
 def test_the_spectrum_of_what_jumps_between_samples_knows_where():

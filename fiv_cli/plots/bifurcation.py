@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import CYCLE_END, NOT_COMPUTED, SECTION
 from fiv_cli.plots import branch, labels, points, smooth, style
-from fiv_cli.plots.drawn import DECORATION, UNNAMED
+from fiv_cli.plots.drawn import DECORATION, UNNAMED, leave_out
 from fiv_cli.plots.turns import up_to_turns
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names, is_class, numbers
@@ -893,6 +893,7 @@ def _draw_equilibria(
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
+            leave_out(line, met[0])
             shares |= _blacken_shared(ax, line)
             told = points.unlisted(label, TURNS_HERE)
             turns += [Line2D(*met, color=line.get_color(), label=told)] * (word == "unstable")

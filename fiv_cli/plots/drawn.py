@@ -36,12 +36,18 @@ DECORATION = "_nolegend_"
 START = "start"
 """A column more, of figures whose points have names: those of starts."""
 _NAMES: WeakKeyDictionary[Artist, Sequence[str]] = WeakKeyDictionary()
+_BETWEEN: WeakKeyDictionary[Artist, np.ndarray] = WeakKeyDictionary()
 UNNAMED = "_child"  # what matplotlib calls an artist without a label, and counts
 
 
 def name_points(artist: Artist, names: Sequence[str]) -> None:
     """Give the points of an artist names, which stand beside them in the table."""
     _NAMES[artist] = names
+
+
+def leave_out(artist: Artist, x: np.ndarray) -> None:
+    """The points of an artist at these x lie between those that were computed: in no table."""
+    _BETWEEN[artist] = x
 
 
 def as_csv(figure: Figure, path: Path) -> str:
@@ -126,7 +132,8 @@ def _lines(ax: Axes) -> Iterator[tuple[str, int, np.ndarray, Sequence[str]]]:
         series = "" if label.startswith(UNNAMED) else in_one_line(label).removeprefix("_")
         for points in () if label == DECORATION else _pieces(artist, ax):
             number += 1
-            yield series, number, points, _NAMES.get(artist, ())
+            told = points[~np.isin(points[:, 0], _BETWEEN.get(artist, ()))]
+            yield series, number, told, _NAMES.get(artist, ())
 
 
 def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:

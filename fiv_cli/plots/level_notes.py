@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CROWDED = 0.5  # of the steps of the grid that a line crosses: another level lies in them, too
+LEAP = 3.0  # times the step after it
 ISLAND, MANY_ISLANDS = 3, 4  # points of the grid; islands of which a line has no few
 NOT_KNOWN = "not known"
 NO_CELLS = np.empty((0, 4))
@@ -103,13 +104,16 @@ def scattered(
 ) -> Iterator[str]:
     """Which levels have a line in islands that are no larger than the grid tells, as on a ridge."""
     for number, level in enumerate(levels):
-        parts = (part for panel in panels for plane in panel[number] for part in plane)
-        islands = sum(int(label(one)[1]) for part in parts for one in _islands(part, level))
-        if islands >= MANY_ISLANDS:
+        if (islands := _count_islands(panels, number, level)) >= MANY_ISLANDS:
             yield (
                 f"{words(array, level, levels)}: its line falls into {islands} islands of "
                 f"{ISLAND} points or fewer, as along a ridge: a larger num, or another level"
             )
+
+
+def _count_islands(panels: Sequence[Panel], number: int, level: float) -> int:
+    parts = (part for panel in panels for plane in panel[number] for part in plane)
+    return sum(int(label(one)[1]) for part in parts for one in _islands(part, level))
 
 
 def steep(
@@ -119,25 +123,36 @@ def steep(
     levels: Sequence[float],
 ) -> Iterator[str]:
     """Which levels all run round the same few points, and where: a grid tells no more of a jump."""
+    on, places = set[float](), dict[tuple[int, int], None]()
     for panel in panels:
         mine = [
-            np.any([_islands(part, level) for plane in planes for part in plane], axis=(0, 1))
+            np.any([_leaps(part, level) for plane in planes for part in plane], axis=0)
             for planes, level in zip(panel, levels, strict=True)
         ]
-        several = np.sum(mine, axis=0) > 1
-        if several.any():
-            y, x = np.argwhere(several)[0]
-            on = [level for level, own in zip(levels, mine, strict=True) if own[y, x]]
-            place = ", ".join(
-                f"{axis.name} = {_number(axis, index)}"
-                for axis, index in zip(axes, (x, y), strict=True)
-            )
-            more = f" and at {several.sum() - 1} points more" * bool(several.sum() > 1)
-            told = listed([labels.number_text(level, levels) for level in on])
-            yield (
-                f"{array.name} = {told}: their lines run round {place}{more}, where it jumps or "
-                "the grid is coarse: an axis that ends beside it, or a larger num"
-            )
+        for y, x in np.argwhere(np.sum(mine, axis=0) > 1).tolist():
+            places[y, x] = None
+            on |= {level for level, own in zip(levels, mine, strict=True) if own[y, x]}
+    if places:
+        told = listed([labels.number_text(level, levels) for level in levels if level in on])
+        place = ", ".join(
+            f"{axis.name} = {_number(axis, at)}"
+            for axis, at in zip(axes, next(iter(places))[::-1], strict=True)
+        )
+        more = " and other points" * (len(places) > 1)
+        yield (
+            f"{array.name} = {told}: their lines run round {place}{more}, where it jumps or the "
+            "grid is coarse: an axis that ends beside it, or a larger num"
+        )
+
+
+def _leaps(part: np.ndarray, level: float) -> np.ndarray:
+    """Points of small islands at a level from which it is far to a neighbour, and then no more."""
+    islands, found = np.any(_islands(part, level), axis=0), np.zeros(part.shape, bool)
+    for turns in range(4):  # each way in turn
+        own, there, out = (np.rot90(one, turns) for one in (part, islands, found))
+        first, second = np.abs(own[:-2] - own[1:-1]), np.abs(own[1:-1] - own[2:])
+        out[:-2] |= there[:-2] & ~there[1:-1] & (first > LEAP * second)
+    return found
 
 
 def saddles(
@@ -146,12 +161,16 @@ def saddles(
     panels: Sequence[Panel],
     levels: Sequence[float],
 ) -> Iterator[str]:
-    """Which levels lie between four points such that both ways of joining them are right."""
+    """Which levels lie between four points such that both ways of joining them are right.
+
+    None of those whose lines are `scattered`.
+    """
     found = {
         level: np.concatenate(
             [_saddles(part, level) for panel in panels for plane in panel[number] for part in plane]
         )
         for number, level in enumerate(levels)
+        if _count_islands(panels, number, level) < MANY_ISLANDS
     }
     met = [level for level, cells in found.items() if cells.size]
     if met:
@@ -160,7 +179,7 @@ def saddles(
             f"{axis.name} = {_number(axis, at)} and {_number(axis, at + 1)}"
             for axis, at in zip(axes, cells[0][::-1], strict=True)
         )
-        more = f" and in {len(cells) - 1} cells more" * (len(cells) > 1)
+        more = " and elsewhere" * (len(cells) > 1)
         yield (
             f"{array.name} = {listed([labels.number_text(level, levels) for level in met])}: "
             f"between {between}{more} the points do not tell which of them its lines part, as on a "
@@ -171,11 +190,11 @@ def saddles(
 def _saddles(part: np.ndarray, level: float) -> np.ndarray:
     """Cells, shape (n, 2), of which the corners across lie on one side of a level, both pairs.
 
-    None at islands, round which its lines run whichever way they are joined.
+    None at a leap, round which its lines run whichever way they are joined.
     """
     if min(part.shape) < 2:
         return np.zeros((0, 2), int)
-    known = np.isfinite(part) & ~np.any(_islands(part, level), axis=0)
+    known = np.isfinite(part) & ~_leaps(part, level)
     values, sound = (sliding_window_view(one, (2, 2)).reshape(-1, 4) for one in (part, known))
     above = values > level
     across = (above[:, 0] == above[:, 3]) & (above[:, 1] == above[:, 2])
