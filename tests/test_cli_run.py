@@ -207,8 +207,9 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert "runs/pin.nc (partial)\n  nobody is running it; the same `fiv run` goes on" in told
     assert "  the last run: " in told and " points/s, some " in told
     log, ago = Path("runs/pin.run/run.log"), datetime.now().astimezone() - timedelta(seconds=100)
-    _, begun = log.read_text().split(" ", 1)
-    log.write_text(f"{ago.isoformat()} {begun}")
+    lines = [line.split(" ", 1)[1] for line in log.read_text().splitlines(keepends=True)[:2]]
+    points = log.read_text().splitlines(keepends=True)[2:]
+    log.write_text("".join([*(f"{ago.isoformat()} {line}" for line in lines), *points]))
     with hold(Path("runs/pin.run")):  # as a run that began a while ago
         assert fiv(["status", "pin.toml"]) == 0
     told = capsys.readouterr().out  # the points came in some s

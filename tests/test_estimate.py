@@ -209,7 +209,7 @@ def ended_first(met: Path, task: Task) -> Result:
     ("load", "told"), [(0.7, ""), (4.2, ", 4.7 times that beside what runs here now")]
 )
 def test_an_estimate_tells_that_others_use_the_machine(
-    monkeypatch: pytest.MonkeyPatch, load: float, told: bool
+    monkeypatch: pytest.MonkeyPatch, load: float, told: str
 ) -> None:
     """By what there was to do before the sample was run."""
     monkeypatch.setattr(os, "cpu_count", lambda: 2)

@@ -759,6 +759,7 @@ def test_what_a_run_compiles_before_its_first_point_is_no_part_of_its_pace() -> 
 def test_a_log_says_which_analysis_came_how_far(tmp_path: Path) -> None:
     log = (
         "fiv 0: fiv run a.toml; 0 of 30 points done",
+        "fixed: begins, 0 of 30 points done",
         "fixed: 20 points in 0.1 s, 0 failed, 20 of 30 points done; slowest 0 s at a=1,initial=b",
         "point 3: no: 1 of 2 points",
         "driven: 5 points in 9 s, 1 failed, 25 of 30 points done; slowest 1 s at a=1",
@@ -767,7 +768,12 @@ def test_a_log_says_which_analysis_came_how_far(tmp_path: Path) -> None:
     lines = (f"{stamp.format(10 * number)} {line}\n" for number, line in enumerate(log))
     (tmp_path / "run.log").write_text("".join(lines))
     (told,) = runs_in(tmp_path)
-    assert (told.course.name, told.course.since, told.course.counts) == ("driven", 1, [0, 20, 25])
+    assert (told.course.name, told.course.since, told.course.counts) == (
+        "driven",
+        2,
+        [0, 0, 20, 25],
+    )
+    assert told.course.rate(40.0) == pytest.approx(5 / 20)
 
 
 def test_lines_come_whether_anything_happens_or_not(monkeypatch: pytest.MonkeyPatch) -> None:

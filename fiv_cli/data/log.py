@@ -63,9 +63,12 @@ def runs_in(folder: Path) -> list[Told]:
                 runs.append(Told(command, Course(int(total), [_seconds(time)], [int(done)])))
             elif runs and (found := _CAME.match(line)):
                 time, name, done, total = found.groups()
-                course = runs[-1].course
+                course, points = runs[-1].course, int(done) - runs[-1].course.done
+                if not points:  # it begins: what was compiled before is no part of its pace
+                    course.note(_seconds(time), 0)
                 course.turn(name, 0)
-                course.note(_seconds(time), int(done) - course.done)
+                if points:
+                    course.note(_seconds(time), points)
                 course.total = int(total)
     return runs
 

@@ -167,6 +167,7 @@ class Scheduler:
                 if queue.left:
                     name, record = plan.analyses[index].layout.name, self.journal.records[index]
                     self.progress.turn(name, later, record.grows)
+                    self.log(f"{name}: begins, {came(self._done, self._total)}")
                 self._drain(index, queue, self._paces[index])
         return not self._full()
 
