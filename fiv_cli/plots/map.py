@@ -184,7 +184,7 @@ class _Lines:
     @cached_property
     def ends(self) -> list[Panel]:
         """Of each panel and level the numbers, at each end of what they may be."""
-        return [*map(self._of, self.planes.panels)]
+        return [*map(self._of_panel, self.planes.panels)]
 
     def _ends(self, panel: points.Line) -> Panel:
         """Those of one."""
@@ -192,7 +192,7 @@ class _Lines:
             own for own, one in zip(self.ends, self.planes.panels, strict=True) if one is panel
         )
 
-    def _of(self, panel: points.Line) -> Panel:
+    def _of_panel(self, panel: points.Line) -> Panel:
         """The levels next to what rests, to either side, are borders of regions, which may be
         jumps; no other line leads along one from rest."""
         whole, apart = (self.planes.ends(panel, apart=one) for one in (False, True))

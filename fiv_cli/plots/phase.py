@@ -65,26 +65,27 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.set_title("" if shared else one.label)
         ax.set_xlabel(motion.label_of(dataset[names[0]], settings))
     axes[0].set_ylabel(motion.label_of(dataset[names[1]], settings))
-    keys = [
-        _key(motion.CONTACT_STATES[state], [one.states.get(state) for one in portraits])
-        for state in motion.CONTACT_STATES
-    ]
-    keys += [
-        _key(motion.sticking(number), [one.sticks.get(number) for one in portraits])
-        for number in sorted({*chain.from_iterable(one.sticks for one in portraits)})
-    ]
-    if any(one.jumps for one in portraits):
-        keys.append(Line2D([], [], label="jump", **JUMP))
-    keys += [*motion.ends(motions), *motion.sampled(motions, names)]
-    if any(np.isfinite(_held(one, names)) for one in motions):
-        keys.append(Line2D([], [], label="held in stick", **HELD))
-    of_lines = len({mark.dash for mark in marks}) > 1 and not all(
-        one.is_coarse(*names) for one in motions
-    )
-    named = {mark.label: mark.key(with_line=of_lines) for mark in marks if mark.label}
-    contact = motion.named_contact(dataset, settings)
-    style.legend_below(figure, [*filter(None, keys), *named.values()], contact)
+    style.legend_below(figure, [*_keys(portraits, names)], motion.named_contact(dataset, settings))
     return figure
+
+
+def _keys(portraits: Sequence[_Portrait], names: tuple[str, str]) -> Iterator[Line2D]:
+    """The entries of a legend, of what is drawn alone."""
+    motions, marks = [one.motion for one in portraits], [one.mark for one in portraits]
+    for state, words in motion.CONTACT_STATES.items():
+        yield from _key(words, [one.states.get(state) for one in portraits])
+    for number in sorted({*chain.from_iterable(one.sticks for one in portraits)}):
+        yield from _key(motion.sticking(number), [one.sticks.get(number) for one in portraits])
+    if any(one.jumps for one in portraits):
+        yield Line2D([], [], label="jump", **JUMP)
+    yield from motion.ends(motions)
+    yield from motion.sampled(motions, names)
+    if any(np.isfinite(_held(one, names)) for one in motions):
+        yield Line2D([], [], label="held in stick", **HELD)
+    is_coarse = all(one.path.is_coarse for one in portraits)
+    of_lines = len({mark.dash for mark in marks}) > 1 and not is_coarse
+    named = {mark.label: mark.key(with_line=of_lines) for mark in marks if mark.label}
+    yield from named.values()
 
 
 @dataclass(frozen=True)
@@ -253,19 +254,15 @@ def _portrait(
     return _Portrait(one, path, mark, states, sticks, path.jumps(until))
 
 
-def _key(label: str, parts: Sequence[_Part | None]) -> Line2D | None:
+def _key(label: str, parts: Sequence[_Part | None]) -> Iterator[Line2D]:
     """The entry of a legend of what has parts of motions, if it has any."""
     there = [part for part in parts if part]
-    if not there:
-        return None
-    look = {key: there[0].look[key] for key in ("color", "lw")}
     fine = [part for part in there if not part.path.is_coarse]
-    if not fine:
-        return Line2D([], [], label=label, marker="o", ls="none", color=look["color"])
-    if not any(part.path.is_seen(part.pieces) for part in fine):
-        dot = {"marker": ".", "ls": "none", "ms": DOT + look["lw"], "color": look["color"]}
-        return Line2D([], [], label=label, **dot)
-    return Line2D([], [], label=label, **look)
+    for first in there[:1]:
+        look = {key: first.look[key] for key in ("color", "lw")}
+        if not any(part.path.is_seen(part.pieces) for part in fine):
+            look |= {"ls": "none", "marker": "." if fine else "o"}
+        yield Line2D([], [], label=label, **look)
 
 
 def _panel(
