@@ -41,7 +41,7 @@ AWAY, BACK = 0.1, 1e-3
 MOST, INSTANTS = 0.998, 20_000
 # What jumps at an event, by more than this share of its extent, is neither before nor after it; of
 # what reaches no farther no line would be seen: it is a dot.
-JUMP: dict[str, Any] = {"color": "#777777", "ls": ":", "lw": 1.0}
+JUMP: dict[str, Any] = {"color": "#444444", "ls": ":", "lw": 1.0}  # over a stick along it
 SEEN, DOT = 0.01, 4.0
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
@@ -275,7 +275,7 @@ def _panel(
     for state, part in portrait.states.items():
         path.draw(ax, part.pieces, points.joined(one.label, state), **part.look)
     if portrait.jumps:
-        path.draw(ax, portrait.jumps, points.unlisted(one.label, "jump"), zorder=1.9, **JUMP)
+        path.draw(ax, portrait.jumps, points.unlisted(one.label, "jump"), zorder=2.1, **JUMP)
     if not path.is_coarse:
         parts = [*portrait.states.values(), *portrait.sticks.values()]
         pieces = [piece for part in parts for piece in part.pieces]
