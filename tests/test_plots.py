@@ -3082,13 +3082,14 @@ def test_levels_between_the_same_points_of_the_grid_are_told(overlay):
         assert all("between the same points of the grid" in note for note in notes)
 
 
-def test_gaps_of_a_line_where_points_are_undecided_are_told():
+@pytest.mark.parametrize("overlay", [False, True])
+def test_gaps_of_a_line_where_points_are_undecided_are_told(overlay):
     """They look like dashes, that is like another level; what ends at a side or beside what no
     value is expected of has none."""
     dataset = data.stability_map(initial=("reached",), nx=20, ny=20)
     dataset["L_s"].values[:] = np.linspace(0.0, 1.0, 20)[:, None, None]
     dataset["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")
-    asked = figure("map", variable="L_s", level=[0.31, 0.71])
+    asked = figure("map", variable="L_s", level=[0.31, 0.71], overlay=overlay)
     assert style.notes_on(draw(dataset, asked)) == []
     between = int(0.31 * 19)  # the levels lie beside it
     dataset["L_s"].values[between : between + 2, 7:9] = np.nan
@@ -3101,7 +3102,7 @@ def test_gaps_of_a_line_where_points_are_undecided_are_told():
     dataset["L_s"].values[:] = (along[:, None] + along)[..., None]
     dataset["L_s"].values[4, 8] = np.nan  # alone, across the corner of which the line would lead
     dataset["attractor"].values[:] = data.codes(data.ATTRACTORS, "periodic")
-    slanted = figure("map", variable="L_s", level=[12.01 / 19.0, 1.5])
+    slanted = figure("map", variable="L_s", level=[12.01 / 19.0, 1.5], overlay=overlay)
     assert style.notes_on(draw(dataset, slanted)) == []
     dataset["attractor"].values[4, 8] = undecided
     (note,) = style.notes_on(draw(dataset, slanted))

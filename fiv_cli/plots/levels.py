@@ -11,7 +11,6 @@ to another, as from what rests to what vibrates; of several levels that next to 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import chain
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -516,12 +515,8 @@ def overlay(
         look["styles"] = [dash] if single else STYLES
         written |= {*draw(ax, array, places, panel, levels, colour, **look)}
     if not single:
-        notes = (
-            level_notes.missed(array, panels, levels),
-            level_notes.unwritten(array, panels, levels, written),
-            level_notes.crowded(array, panels, levels),
-        )
-        style.add_notes(figure, [*chain(*notes)])
+        notes = level_notes.unwritten(array, panels, levels, written)
+        style.add_notes(figure, [*level_notes.missed(array, panels, levels), *notes])
 
 
 def keys(

@@ -366,6 +366,7 @@ def _overlaid(
     points.scale(ax, settings)
     shown = [*zip(named, own[0].ends, strict=True)]
     levels.overlay(ax, planes.array, shown, planes.places, own[0].levels)
+    style.add_notes(figure, [*own[0].inexact])
     points.scale(ax, settings)
     return figure
 
