@@ -383,7 +383,8 @@ def test_what_is_not_known_well_enough_says_what_lessens_the_error():
     found = tried(wide.assign_attrs(analyses_json=of_runs), "boundary", {"less_than": 6}).found
     assert found.endswith(
         "where an equilibrium loses its stability, an analysis `critical` finds it; "
-        "runs beside it are undecided: a larger `t_max` of the analysis 'b' lessens it"
+        "runs beside it are undecided: a larger `t_max`, else a smaller `solver.rtol` of the "
+        "analysis 'b' lessens it"
     )
     why = data.flags(("mu_k",), ["cycle_not_confirmed"], ["none", "cycle_not_confirmed"])
     unsure = wide.assign(undecided_reason=why).assign_attrs(analyses_json=of_runs)

@@ -1980,6 +1980,21 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     assert {line.get_marker() for line in ax.lines if len(line.get_xdata())} == {"o", "_"}  # caps
 
 
+@pytest.mark.parametrize(("values", "told"), [([4, 1, 1, 4], True), ([4, 3, 2, 1], False)])
+def test_where_crossings_are_not_joined_is_told(values, told):
+    """Of so few points none tells a bend from a leap."""
+    axes = data.axes(Omega=[1.0, 2.0, 4.0, 5.0])
+    dims, one = ("Omega", "crossing"), np.full((4, 1), "root")
+    found = {"critical_value": (dims, np.array(values, float)[:, None])}
+    found["status"] = data.statuses(("Omega",), np.full(4, "ok"))
+    found["crossing_kind"] = data.flags(dims, one, ("root", "jump"))
+    ways = np.full((4, 1), "to_stable")
+    found["crossing_direction"] = data.flags(dims, ways, ("to_stable", "to_unstable"))
+    drawn = draw(xr.Dataset(found, axes, data.attributes()), figure("curve"))
+    told_of = "not joined between Omega = 1 and 2"
+    assert len([note for note in style.notes_on(drawn) if told_of in note]) == told
+
+
 def test_a_file_without_the_variable_of_a_curve_shows_its_own_number():
     """Of the same unit in the same panel: a border and the critical value beside it."""
     axes = data.axes(Omega=[1.0, 2.0, 3.0])

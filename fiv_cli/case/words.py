@@ -27,7 +27,7 @@ _MEANT = {
     "stabilitymap stabilitychart stabilitydiagram phasediagram": "map eigenvalues response",
     "contour contours heatmap isoline isolines classmap parametermap": "map",
     "fixedpoint fixedpoints equilibria": "equilibrium",
-    "axis axes parameterstudy scan range": "grid",
+    "axis axes parameterstudy scan range lattice latticeofstarts": "grid",
     "adaptive adaptivegrid bisection": "refine boundary",
     "modeshape modeshapes": "mode-shape plate",
     "excitation external": "forcing harmonic",

@@ -34,6 +34,10 @@ if TYPE_CHECKING:
 DEFAULT = "section_value"
 CROWD = 8  # values at one point of the grid; more are drawn smaller: their marks would be a bar
 FINER = 0.3  # share of its size that a mark has in a crowd ...
+UNMET = (
+    "stable cycles that never meet the section are not drawn; one that all motions have, such as "
+    'section = {{ zero = "{}_dot" }} in the cases of cycles and diagram, has them'
+)
 STILL_SEEN = 0.6  # ... and where it is undecided: upon a line of equilibria, too
 BAR = 0.4  # size of a dot times columns, in widths: the widest marks, one in another, are a bar
 SEEN_ON_LINES = 2.4  # size of dots that lines lead through, where columns have room for them ...
@@ -85,6 +89,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         )
     first = shown[0].dataset
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
+    unmet = False
     axis, observed = points.abscissa(first, settings), _observed(first[name])
     equilibria = [_equilibria(layer, others, axis, observed) for layer in shown]
     changes = [_changes(layer, others, axis, observed) for layer in shown]
@@ -109,7 +114,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         parts = [of_the_same(one, layer.dataset) for one in others]
         own = [part for part in parts if part is not None]
         others = [one for one, part in zip(others, parts, strict=True) if part is None]
-        _draw_cycles(ax, own, axis, layer, name)
+        unmet |= _draw_cycles(ax, own, axis, layer, name)
     drawn = [
         _draw_equilibria(ax, layer, lines, found_at, axis)
         for layer, lines, found_at in zip(shown, equilibria, changes, strict=True)
@@ -121,6 +126,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others_at = _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
     sorts = [cloud.family or cloud.label for cloud in clouds]
     notes = [*_of_other_sections(others_at, axis, observed), *points.of_many_lines(sorts)]
+    notes += [UNMET.format(observed)] * unmet
     style.add_notes(figure, notes)
     if not clouds[0].label:
         _name_alone(ax.lines[before:marked], _start_of(first))
@@ -703,12 +709,13 @@ def _draw_cycles(
     axis: xr.DataArray,
     layer: points.Layer,
     name: str,
-) -> None:
+) -> bool:
     """Every cycle along `axis`, in the colour of its diagram: what it passes at the section.
 
     Of a cycle that is not known there the least and the greatest, and only if it is not stable: the
-    marks of a stable one lie elsewhere.
+    marks of a stable one lie elsewhere. Tells whether one that is stable never meets the section.
     """
+    unmet = False
     observed = _observed(layer.dataset[name])
     extremes = f" cycle: extremes of ${labels.symbol_of_name(observed)}$"
     colours = points.colours([ax])
@@ -716,6 +723,7 @@ def _draw_cycles(
         at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
         for own, (word, x, heights, passes) in _cycles(dataset, axis, observed, at_section):
             if word not in branch.DASHES or (word == "stable" and not passes):
+                unmet |= at_section and word == "stable"
                 continue
             told = f"{word}{' cycle' if passes else extremes}"
             place, colour = _whose(layer, own, axis, colours)
@@ -731,6 +739,7 @@ def _draw_cycles(
         tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
         if at_section and tells:
             _mark_changes(ax, dataset, axis, layer, colours)
+    return unmet
 
 
 def _mark_changes(

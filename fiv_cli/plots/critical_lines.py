@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.typing import ColorType
 
-MOST_STEPS = 3  # that are told of
 COARSE = 1  # places of a map on a straight piece of a line
 LEFT_OPEN = "undecided_in_part"
 Piece = tuple[np.ndarray, np.ndarray]
@@ -60,15 +59,11 @@ class CriticalLines:
     def inexact(self) -> Iterator[str]:
         """Where neighbours are not joined, and that there are few values to draw lines through."""
         along, drawn = self._along, [self._joined(panel) for panel in self.panels]
-        steps = sorted({step for _, values, lines in drawn for step in _not_joined(values, lines)})
+        steps = sorted(
+            {step for _, values, lines in drawn for step in curve.not_joined(values, lines)}
+        )
         x = drawn[0][0] if drawn else np.zeros(0)
-        for first, second in [(x[step], x[step + 1]) for step in steps][:MOST_STEPS]:
-            ends = " and ".join(labels.number_text(one, x.tolist()) for one in (first, second))
-            yield (
-                f"{self._words}: not joined between {along.name} = {ends}, where it steps by more "
-                f"than beside it; if it is one line, more values of {along.name} in its case join "
-                "it"
-            )
+        yield from curve.broken(self._words, along.name, [(x[at], x[at + 1]) for at in steps], x)
         known = [np.isfinite(values).any(axis=1) for _, values, _ in drawn]
         without = [one.label for one, own in zip(self.panels, known, strict=True) if not own.any()]
         if without and len(without) < len(known):
@@ -184,16 +179,6 @@ class CriticalLines:
         if values.sizes.get("crossing", 1) == 1 or not sides:
             return values
         return values.where((sides[0] <= 0) | (sides[-1] <= 0))
-
-
-def _not_joined(values: np.ndarray, lines: Sequence[Sequence[curve.Place]]) -> list[int]:
-    """Places between which and the next fewer lines lead than both have crossings."""
-    counts = np.isfinite(values).sum(axis=1)
-    led = np.zeros(counts.size - 1, int)
-    for line in lines:
-        led[[place for place, _ in line[:-1]]] += 1
-    steps: list[int] = np.flatnonzero(np.minimum(counts[1:], counts[:-1]) > led).tolist()
-    return steps
 
 
 def _is_left_open(dataset: xr.Dataset) -> xr.DataArray:

@@ -67,6 +67,7 @@ UNSURE = {
     "error not known": {"marker": "o", "ms": 7, "mfc": "none", "mew": 0.6, "ls": "none"},
 }
 CLASS_COLOURS = {name.replace("_", " "): colour for name, colour in style.CLASSES.items()}
+MOST_STEPS = 3  # of one line that are told of
 MOSTLY = 0.9  # of their points, at which lines of all starts are one, but for what each has alone
 MOST_COMPARED = 100  # lines that may lie on one another
 ROOM = (1.0, 4.0, np.inf)  # of the steps beside it, that a step of a followed value may have ...
@@ -143,7 +144,10 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     points.dress(axes, _with_gaps(along), own_settings, gaps)
     shown = [one.without(dashed) for one in every if one.is_known]
     unmet = _of_branches_not_drawn(parts, axis)
-    style.add_notes(figure, [*_of_edges(parts), *unmet, *points.of_many_lines(shown)])
+    x = np.unique([place for one in every for place in one.x])
+    steps = [broken(one.label or names[0], axis.name, one.apart, x) for one in every]
+    notes = *_of_edges(parts), *unmet, *points.of_many_lines(shown), *chain(*steps)
+    style.add_notes(figure, notes)
     return figure
 
 
@@ -781,7 +785,8 @@ class _Curve:
     is what `dash` and `mark` mean, where colours mean another thing. A line `of_crossings` has no
     gaps. No error reaches beyond the `limits`, such as 0 and 1 of a share. `names` are the labels
     of all for which it stands. Of a part of a line the `way` leads to its points, too. Pieces of
-    no more than `short` points have marks by all means.
+    no more than `short` points have marks by all means. `apart` are neighbours with crossings both,
+    between which no line leads.
     """
 
     words: Mapping[str, str]
@@ -799,6 +804,7 @@ class _Curve:
     names: tuple[str, ...] = ()
     way: np.ndarray = field(default_factory=lambda: np.zeros(0))
     short: int = 1
+    apart: tuple[tuple[float, float], ...] = ()
 
     @property
     def is_branch(self) -> bool:
@@ -1056,13 +1062,16 @@ def _by_sort(
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values
                 for part in (array, errors, modes)
             )
-            for places in joined(x, kept, mode):
+            lines = joined(x, kept, mode)
+            steps = [(x[at], x[at + 1]) for at in not_joined(kept, lines)]
+            for place, places in enumerate(lines):
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)
                 found = (x[at[0]], kept[at], unsure, (kept[at], kept[at]), error[at])
                 dashed = {"dash": dash, "mark": mark, "sort": sort} if is_told else {}
                 own = told_by if is_told else {"sort": sort}
-                curves.append(_Curve(own, *found, **dashed, of_crossings=True))
+                apart = tuple(steps) if not place else ()  # told once
+                curves.append(_Curve(own, *found, **dashed, of_crossings=True, apart=apart))
     return curves
 
 
@@ -1093,6 +1102,28 @@ def joined(x: np.ndarray, values: np.ndarray, modes: np.ndarray) -> list[list[Pl
             lines[one].append(other)
     distinct = {id(line): line for line in lines.values()}.values()
     return [piece for line in distinct for piece in _followed(line, x, values, modes)]
+
+
+def not_joined(values: np.ndarray, lines: Sequence[Sequence[Place]]) -> list[int]:
+    """Points between which and the next fewer lines lead than both have crossings."""
+    counts = np.isfinite(values).sum(axis=1)
+    led = np.zeros(counts.size - 1, int)
+    for line in lines:
+        led[[place for place, _ in line[:-1]]] += 1
+    steps: list[int] = np.flatnonzero(np.minimum(counts[1:], counts[:-1]) > led).tolist()
+    return steps
+
+
+def broken(
+    words: str, along: object, steps: Sequence[tuple[float, float]], x: np.ndarray
+) -> Iterator[str]:
+    """What to do where lines of crossings are not joined, from one place to the next of all x."""
+    for step in steps[:MOST_STEPS]:
+        ends = " and ".join(labels.number_text(one, x.tolist()) for one in step)
+        yield (
+            f"{words}: not joined between {along} = {ends}, where it steps by more than beside it; "
+            f"if it is one line, more values of {along} in its case join it"
+        )
 
 
 def _pairs(

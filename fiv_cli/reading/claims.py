@@ -502,7 +502,7 @@ def beside(dataset: xr.Dataset, wide: xr.DataArray | bool = True) -> str:
         why = dataset.get("undecided_reason", dataset["status"])  # 0.1.0 does not say
         if bool((is_class(why, ("cycle_not_confirmed",)) & wide).any()):
             return f"{UNDECIDED} (cycle_not_confirmed): a smaller `solver.rtol` or larger `t_max`"
-        return f"{UNDECIDED}: a larger `t_max`"
+        return f"{UNDECIDED}: a larger `t_max`, else a smaller `solver.rtol`"
     ended = " and ".join(dict.fromkeys(lost)).replace("_", " ")
     return f"runs beside it ended ({ended}), without a number: asking for a class in `of`"
 
