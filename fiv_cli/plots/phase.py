@@ -251,7 +251,8 @@ def _portrait(
     for contact, *span in _bands(one, settings):
         part = sticks.setdefault(contact, _Part(path, [], _band(contact)))
         part.pieces.extend(path.between(*span))
-    return _Portrait(one, path, mark, states, sticks, path.jumps(until))
+    is_held = bool(np.isfinite(_held(one, names)))  # which stands where its force jumps
+    return _Portrait(one, path, mark, states, sticks, [] if is_held else path.jumps(until))
 
 
 def _key(label: str, parts: Sequence[_Part | None]) -> Iterator[Line2D]:
