@@ -71,9 +71,9 @@ def crowded(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float
         for one in (0, 1)
     }
     if of_a_bundle:
-        told = [labels.number_text(levels[number], levels) for number in sorted(of_a_bundle)]
+        told = _named([levels[number] for number in sorted(of_a_bundle)], levels)
         yield (
-            f"{array.name} = {listed(told)}: between the same points of the grid along most of "
+            f"{array.name} = {told}: between the same points of the grid along most of "
             "their lines, which are no more exact; more of it: a larger num, a narrower axis"
         )
 
@@ -133,11 +133,8 @@ def steep(
             places[y, x] = None
             on |= {level for level, own in zip(levels, mine, strict=True) if own[y, x]}
     if places:
-        told = listed([labels.number_text(level, levels) for level in levels if level in on])
-        place = ", ".join(
-            f"{axis.name} = {_number(axis, at)}"
-            for axis, at in zip(axes, next(iter(places))[::-1], strict=True)
-        )
+        told = _named([level for level in levels if level in on], levels)
+        place = _place(axes, next(iter(places)))
         more = " and other points" * (len(places) > 1)
         yield (
             f"{array.name} = {told}: their lines run round {place}{more}, where it jumps or the "
@@ -175,13 +172,10 @@ def saddles(
     met = [level for level, cells in found.items() if cells.size]
     if met:
         cells = np.concatenate([found[level] for level in met])
-        between = ", ".join(
-            f"{axis.name} = {_number(axis, at)} and {_number(axis, at + 1)}"
-            for axis, at in zip(axes, cells[0][::-1], strict=True)
-        )
+        between = _place(axes, cells[0], cells[0] + 1)
         more = " and elsewhere" * (len(cells) > 1)
         yield (
-            f"{array.name} = {listed([labels.number_text(level, levels) for level in met])}: "
+            f"{array.name} = {_named(met, levels)}: "
             f"between {between}{more} the points do not tell which of them its lines part, as on a "
             "saddle: a larger num does"
         )
@@ -200,6 +194,19 @@ def _saddles(part: np.ndarray, level: float) -> np.ndarray:
     across = (above[:, 0] == above[:, 3]) & (above[:, 1] == above[:, 2])
     is_saddle = sound.all(axis=1) & across & (above[:, 0] != above[:, 1])
     return np.argwhere(is_saddle.reshape(part.shape[0] - 1, -1))
+
+
+def _named(some: Sequence[float], levels: Sequence[float]) -> str:
+    """Some of the levels, in words."""
+    return listed([labels.number_text(level, levels) for level in some])
+
+
+def _place(axes: tuple[xr.DataArray, xr.DataArray], *points: Sequence[int] | np.ndarray) -> str:
+    """Where points (row, column) lie: ``v = 1 and 2, N = 3 and 4``."""
+    return ", ".join(
+        f"{axis.name} = {' and '.join(_number(axis, int(at[number])) for at in points)}"
+        for axis, number in zip(axes, (1, 0), strict=True)
+    )
 
 
 def _number(axis: xr.DataArray, index: int) -> str:
