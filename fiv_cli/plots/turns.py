@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fiv_cli.plots import leaps
+from fiv_cli.plots import leaps, points
 
 
 def up_to_turns(
@@ -17,7 +17,7 @@ def up_to_turns(
     there. Last comes where it turns, shape (2, turns).
     """
     known = np.isfinite(own)
-    leap = leaps.leaps(every, np.zeros(every.size, int), _extent(every), False)
+    leap = leaps.leaps(every, np.zeros(every.size, int), points.shown_of({}, every), False)
     goes_on = np.isfinite(every[1:] + every[:-1]) & ~leap
     right = 1 + np.flatnonzero((known[1:] != known[:-1]) & goes_on)
     share = np.array([_share(changes, x[at - 1], x[at]) for at in right])
@@ -26,12 +26,6 @@ def up_to_turns(
     places = np.insert(x, [*right, *cuts], [*at, *(0.5 * (x[cuts] + x[cuts - 1]))])
     heights = np.insert(own, [*right, *cuts], [*height, *np.full(cuts.size, np.nan)])
     return places, heights, np.array([at, height])
-
-
-def _extent(heights: np.ndarray) -> tuple[float, float]:
-    """The least and the greatest of some, 0 without any."""
-    known = heights[np.isfinite(heights)]
-    return float(known.min(initial=np.inf)), float(known.max(initial=-np.inf))
 
 
 def _share(changes: np.ndarray, one: float, other: float) -> float:
