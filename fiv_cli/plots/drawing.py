@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 
     Source = xr.Dataset | str | Path | dict[str, xr.Dataset]
     Sources = Source | Sequence[tuple[str, Source]]
+    _File = tuple[str, dict[str, xr.Dataset]]  # its label, its analyses by name
 
 
 @dataclass(frozen=True)
@@ -238,46 +239,15 @@ def _drawn(
     source: Sources, figure: FigureSpec, axis: Axes | None, look: style.Look | None
 ) -> Figure:
     kind = _kind(figure.kind)
-    named: Sequence[tuple[str, Any]] = (
-        source if isinstance(source, list | tuple) else [("", source)]
-    )
-    analyses = [(label, _analyses(one)) for label, one in named]
-    analyses.sort(key=lambda one: not any(map(kind.suits, one[1].values())))  # what lies over some
-    if not (kind.completed and any(_has_asked(one, figure) for _, one in analyses)):
-        for _, one in analyses:
-            _refuse_other_analysis(one, figure)
-    labels = {label for _, one in analyses for label in _starts(one)}
-    chosen = [_with_own_select(figure, one, [own for _, own in analyses]) for _, one in analyses]
-    layers = [
-        _layer(name, one, _shared(own, one, labels), kind)
-        for own, (name, one) in zip(chosen, analyses, strict=True)
-    ]
-    alone = [one for one in layers if kind.suits(one.dataset) or not kind.completed]
-    if len(alone) > 1 and not kind.overlays:
-        raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
+    files = _files(source, kind)
+    if not (kind.completed and any(_has_asked(held, figure) for _, held in files)):
+        for _, held in files:
+            _refuse_other_analysis(held, figure)
+    layers = _layers(files, figure, kind)
     settings = _checked(figure)
     if "take" in settings:
-        layers = [
-            replace(
-                one,
-                dataset=_taken(one.dataset, _checked(_with_own_take(figure, held))),
-                beside=(one.dataset, *one.beside),
-            )
-            for one, (_, held) in zip(layers, analyses, strict=True)
-        ]
         settings = {**settings, "variable": settings["take"]["what"]}
-    asked = [
-        one
-        for one, (_, held) in zip(layers, analyses, strict=True)
-        if _has_asked(held, figure) and (kind.overlays or kind.suits(one.dataset))
-    ]
-    if "title" in settings or len({title_of(one.dataset.attrs) for one in asked}) > 1:
-        layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
-    if len(layers) > 1:  # each of them is called by what it differs in
-        layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
-    given = [one.dataset.attrs.get("called", "") for one in layers]  # no part of these is a word
-    given += [str(settings.get(f"{which}label", "")) for which in "xyz"]
-    words = {**{name: name for name in given if name}, **settings.get("words", {})}
+    words = _words(layers, settings)
     with style.looks(axis, look, words, _called(words, layers), _names_of_starts(layers)):
         drawn = kind.draw(layers, settings)
         points.relabel(drawn, settings)
@@ -286,6 +256,55 @@ def _drawn(
         style.finish(drawn)
         style.add_notes(drawn, [*changed(_lined(figure))])
         return drawn
+
+
+def _files(source: Sources, kind: Kind) -> list[_File]:
+    """The files of a figure, what the kind of figure lays over the others last."""
+    named: Sequence[tuple[str, Any]] = (
+        source if isinstance(source, list | tuple) else [("", source)]
+    )
+    files = [(label, _analyses(one)) for label, one in named]
+    return sorted(files, key=lambda one: not any(map(kind.suits, one[1].values())))
+
+
+def _layers(files: Sequence[_File], figure: FigureSpec, kind: Kind) -> list[Layer]:
+    """What is drawn of each file, under the titles and names that they have beside one another."""
+    labels = {label for _, held in files for label in _starts(held)}
+    chosen = [_with_own_select(figure, held, [other for _, other in files]) for _, held in files]
+    layers = [
+        _layer(name, held, _shared(own, held, labels), kind)
+        for own, (name, held) in zip(chosen, files, strict=True)
+    ]
+    alone = [one for one in layers if kind.suits(one.dataset) or not kind.completed]
+    if len(alone) > 1 and not kind.overlays:
+        raise UsageError(f"a figure of kind {figure.kind} shows one dataset\ndraw them one by one")
+    if "take" in figure.settings:
+        layers = [
+            _with_taken(one, held, figure) for one, (_, held) in zip(layers, files, strict=True)
+        ]
+    asked = [
+        one
+        for one, (_, held) in zip(layers, files, strict=True)
+        if _has_asked(held, figure) and (kind.overlays or kind.suits(one.dataset))
+    ]
+    if "title" in figure.settings or len({title_of(one.dataset.attrs) for one in asked}) > 1:
+        layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
+    if len(layers) > 1:  # each of them is called by what it differs in
+        layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
+    return layers
+
+
+def _with_taken(layer: Layer, held: dict[str, xr.Dataset], figure: FigureSpec) -> Layer:
+    """The layer of what the figure takes of a variable, over what it takes it of."""
+    dataset = _taken(layer.dataset, _checked(_with_own_take(figure, held)))
+    return replace(layer, dataset=dataset, beside=(layer.dataset, *layer.beside))
+
+
+def _words(layers: Sequence[Layer], settings: Settings) -> dict[str, str]:
+    """What a figure calls things; no part of a name that the user gave is a word of the tool's."""
+    given = [one.dataset.attrs.get("called", "") for one in layers]
+    given += [str(settings.get(f"{which}label", "")) for which in "xyz"]
+    return {**{name: name for name in given if name}, **settings.get("words", {})}
 
 
 def _called(words: Collection[str], layers: Sequence[points.Layer]) -> dict[str, tuple[str, ...]]:

@@ -79,31 +79,51 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(planes.panels), MOST_COLUMNS, words, sharex=True, sharey=True
     )
-    is_class = bool(flag_names(planes.array.attrs))
-    colours = [_colour(one, is_class) for one in lines]
-    keys = [key for one, colour in zip(lines, colours, strict=True) for key in one.keys(colour)]
-    if is_class:
-        _paint_classes(figure, axes, planes, keys)
-    else:
-        shades = [points.in_si(end) for end in settings.get("zlim", ())]
-        logarithmic = points.is_logarithmic(settings, "z")
-        _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
+    _paint(figure, axes, planes, lines, settings)
     for number, ax in enumerate(axes[: len(planes.panels)]):
         _dress(ax, number, columns, planes)
         points.scale(ax, settings)
-    if lines:  # levels are written along lines as they look
-        figure.draw_without_rendering()
-    unwritten: dict[str, None] = {}
-    for ax, panel in zip(axes, planes.panels, strict=False):
-        for one, colour in sorted(zip(lines, colours, strict=True), key=_is_written_on):
-            written = one.draw(ax, panel, colour)
-            if isinstance(one, _Lines) and one.of_the_map:
-                unwritten |= dict.fromkeys(one.unwritten(panel, written))
+    unwritten = _draw_lines(figure, axes, planes, lines)
+    for ax in axes[: len(planes.panels)]:
         points.scale(ax, settings)
     inexact = [word for one in lines for word in one.inexact]
     told = *missed, *_held_otherwise(layers[0], planes, settings), *unwritten, *inexact
     style.add_notes(figure, told)
     return figure
+
+
+def _paint(
+    figure: Figure,
+    axes: Sequence[Axes],
+    planes: _Planes,
+    lines: Sequence[_Lines | CriticalLines],
+    settings: points.Settings,
+) -> None:
+    """Paint every panel; what lines will lie on them is in its legend, too."""
+    of_classes = bool(flag_names(planes.array.attrs))
+    keys = [key for line in lines for key in line.keys(_colour(line, of_classes))]
+    if of_classes:
+        _paint_classes(figure, axes, planes, keys)
+    else:
+        shades = [points.in_si(end) for end in settings.get("zlim", ())]
+        logarithmic = points.is_logarithmic(settings, "z")
+        _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
+
+
+def _draw_lines(
+    figure: Figure, axes: Sequence[Axes], planes: _Planes, lines: Sequence[_Lines | CriticalLines]
+) -> list[str]:
+    """Draw the lines on every panel; what to do about levels that are not written on theirs."""
+    of_classes = bool(flag_names(planes.array.attrs))
+    if lines:  # levels are written along lines as they look
+        figure.draw_without_rendering()
+    unwritten: dict[str, None] = {}
+    for ax, panel in zip(axes, planes.panels, strict=False):
+        for line in sorted(lines, key=_is_written_on):
+            written = line.draw(ax, panel, _colour(line, of_classes))
+            if isinstance(line, _Lines) and line.of_the_map:
+                unwritten |= dict.fromkeys(line.unwritten(panel, written))
+    return [*unwritten]
 
 
 @dataclass(frozen=True)
@@ -275,9 +295,9 @@ def _dashes(wanted: Sequence[float], styles: Iterator[Any]) -> list[Any]:
     return [own[at], *own[1:at], own[0], *own[at + 1 :]] if at else own
 
 
-def _is_written_on(drawn: tuple[_Lines | CriticalLines, str]) -> bool:
+def _is_written_on(line: _Lines | CriticalLines) -> bool:
     """What has numbers written on it comes last, and these beside the other lines."""
-    return isinstance(drawn[0], _Lines) and drawn[0].of_the_map
+    return isinstance(line, _Lines) and line.of_the_map
 
 
 def _colour(line: _Lines | CriticalLines, on_classes: bool) -> str:
