@@ -45,10 +45,10 @@ from fiv_cli.plots import (
     style,
 )
 from fiv_cli.plots import labels as words
-from fiv_cli.plots.bifurcation import FINEST
 from fiv_cli.plots.branch import stretches
+from fiv_cli.plots.cloud_marks import FINEST
 from fiv_cli.plots.critical_lines import _is_inside
-from fiv_cli.plots.curve import _narrowed
+from fiv_cli.plots.curve_lines import _narrowed
 from fiv_cli.plots.drawing import _meant
 from fiv_cli.plots.drawn import DECORATION, as_csv, in_one_line
 from fiv_cli.plots.law import force

@@ -22,7 +22,7 @@ from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.plots import drawn, labels, motion, phase, points, style
 from fiv_cli.plots import map as map_
-from fiv_cli.plots.bifurcation import of_the_same
+from fiv_cli.plots.same_parameters import of_the_same
 from fiv_cli.reading import shares
 from fiv_cli.reading.cycles import number_of_each, size_of_cycles, tolerance
 from fiv_cli.reading.datasets import class_names, flag_names, is_class

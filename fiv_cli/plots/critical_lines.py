@@ -18,7 +18,8 @@ from matplotlib.transforms import Bbox
 
 from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import listed
-from fiv_cli.plots import curve, labels, levels, points
+from fiv_cli.plots import crossings, labels, levels, points
+from fiv_cli.plots.curve_lines import PLACE
 from fiv_cli.reading.datasets import is_class
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ COARSE = 1  # places of a map on a straight piece of a line
 LEFT_OPEN = "undecided_in_part"
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
-Joined = tuple[np.ndarray, np.ndarray, list[list[curve.Place]]]
+Joined = tuple[np.ndarray, np.ndarray, list[list[crossings.Place]]]
 """Places along an axis, crossings there, shape (places, crossings), and which make a line."""
 
 
@@ -60,10 +61,12 @@ class CriticalLines:
         """Where neighbours are not joined, and that there are few values to draw lines through."""
         along, drawn = self._along, [self._joined(panel) for panel in self.panels]
         steps = sorted(
-            {step for _, values, lines in drawn for step in curve.not_joined(values, lines)}
+            {step for _, values, lines in drawn for step in crossings.not_joined(values, lines)}
         )
         x = drawn[0][0] if drawn else np.zeros(0)
-        yield from curve.broken(self._words, along.name, [(x[at], x[at + 1]) for at in steps], x)
+        yield from crossings.broken(
+            self._words, along.name, [(x[at], x[at + 1]) for at in steps], x
+        )
         known = [np.isfinite(values).any(axis=1) for _, values, _ in drawn]
         without = [one.label for one, own in zip(self.panels, known, strict=True) if not own.any()]
         if without and len(without) < len(known):
@@ -112,7 +115,7 @@ class CriticalLines:
 
     def _look(self, piece: Piece) -> dict[str, Any]:
         """A line or, of a single place, a mark."""
-        look = {"ls": self.style, "lw": 1.5} if piece[0].size > 1 else curve.PLACE | {"ls": "none"}
+        look = {"ls": self.style, "lw": 1.5} if piece[0].size > 1 else PLACE | {"ls": "none"}
         return look | {"path_effects": levels.RIM}
 
     @property
@@ -148,9 +151,9 @@ class CriticalLines:
         own = {dim: at for dim, at in panel.index.items() if dim in array.dims}
         values, modes = (
             one.isel(own).transpose(along.dims[0], ...).values.reshape(x.size, -1)
-            for one in (array, curve.modes_of(dataset, array))
+            for one in (array, crossings.modes_of(dataset, array))
         )
-        return x, values, curve.joined(x, values, modes)
+        return x, values, crossings.joined(x, values, modes)
 
     def _on_the_map(self, along: xr.DataArray) -> xr.Dataset:
         """What it is drawn of, along one axis and those of the panels alone.

@@ -1,0 +1,346 @@
+"""Lines over a bifurcation diagram: cycles and equilibria that motions do not show."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from fiv_cli.flags import CYCLE_END, NOT_COMPUTED, SECTION
+from fiv_cli.plots import branch, labels, points, smooth, style
+from fiv_cli.plots.clouds import ALIKE, DEFAULT, SAME, observed_state
+from fiv_cli.plots.drawn import DECORATION, leave_out
+from fiv_cli.plots.same_parameters import of_the_same
+from fiv_cli.plots.turns import up_to_turns
+from fiv_cli.reading import select
+from fiv_cli.reading.datasets import class_names, is_class, numbers
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.typing import ColorType
+
+# Of changes of cycles: full, since the hollow marks are those of starts.
+CHANGE: dict[str, Any] = {"mec": "white", "mew": 0.4, "ms": 4.0, "ls": "none"}
+EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
+TURNS_HERE = "equilibrium turns unstable"
+TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
+
+
+def critical_values(dataset: xr.Dataset, axis: xr.DataArray) -> np.ndarray:
+    """Where along an axis modes turn stable or unstable; none of what has other axes as well."""
+    if "critical_value" not in dataset or dataset["critical_value"].dims != ("crossing",):
+        return np.zeros(0)
+    found = dataset["critical_value"].dropna("crossing")
+    is_along = str(found.attrs.get("long_name", "")).endswith(f" of {axis.name}")
+    return np.sort(found.values) if is_along else np.zeros(0)
+
+
+def changes_along(
+    layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+) -> np.ndarray:
+    """Where along an axis the equilibria of a diagram change, as another analysis found it.
+
+    That is a critical value or, where there is none, at which a cycle shrinks to one of them.
+    """
+    same = (of_the_same(one, layer.dataset) for one in (*layer.beside, *others))
+    parts = [part for part in same if part is not None]
+    found = [critical_values(part, axis) for part in parts]
+    found += [
+        branch.births(part) for part in parts if branch.is_along(part, str(axis.name), observed)
+    ]
+    return next((changes for changes in found if changes.size), np.zeros(0))
+
+
+def draw_cycles(
+    ax: Axes,
+    datasets: Sequence[xr.Dataset],
+    axis: xr.DataArray,
+    layer: points.Layer,
+    name: str,
+) -> bool:
+    """Every cycle along `axis`, in the colour of its diagram: what it passes at the section.
+
+    Of a cycle that is not known there the least and the greatest, and only if it is not stable: the
+    marks of a stable one lie elsewhere. Tells whether one that is stable never meets the section.
+    """
+    unmet = False
+    observed = observed_state(layer.dataset[name])
+    extremes = f" cycle: extremes of ${labels.symbol_of_name(observed)}$"
+    colours = points.colours([ax])
+    for dataset in datasets:
+        at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
+        for own, (word, x, heights, passes) in _cycles(dataset, axis, observed, at_section):
+            if word not in branch.DASHES or (word == "stable" and not passes):
+                unmet |= at_section and word == "stable"
+                continue
+            told = f"{word}{' cycle' if passes else extremes}"
+            place, colour = _whose(layer, own, axis, colours)
+            look: dict[str, Any] = {"ls": branch.DASHES[word], "lw": 1.2, "zorder": 1.5}
+            if told not in [line.get_label() for line in ax.lines]:
+                ax.plot([], [], color=style.BLACK, label=told, **look)
+            for height in heights:
+                smooth.draw(ax, x, height, points.unlisted(place, told), color=colour, **look)
+                alone = points.alone(np.isfinite(height))  # no line leads there
+                fill = colour if word == "stable" else "none"
+                dot: dict[str, Any] = {"marker": "o", "ms": 2.5, "mfc": fill, "ls": "none"}
+                ax.plot(x[alone], height[alone], color=colour, label=DECORATION, **dot)
+        tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
+        if at_section and tells:
+            _mark_changes(ax, dataset, axis, layer, colours)
+    return unmet
+
+
+def _mark_changes(
+    ax: Axes,
+    dataset: xr.Dataset,
+    axis: xr.DataArray,
+    layer: points.Layer,
+    colours: Mapping[str, ColorType],
+) -> None:
+    """A mark at each change and end of branches, in the colour of their diagram."""
+    dataset = _without_outer_ends(dataset, axis)
+    for line in branch.lines_apart(dataset):
+        place, colour = _whose(layer, dataset.isel(line.index), axis, colours)
+        branch.draw_marks(ax, dataset, line.index, colour, place, CHANGE, at_section=True)
+    branch.name_marks(ax, [dataset], CHANGE)
+
+
+def _without_outer_ends(dataset: xr.Dataset, axis: xr.DataArray) -> xr.Dataset:
+    """Branches whose brackets are no ends where they reach over the diagram, which ends there."""
+    kind, low, high = dataset["cycle_end_kind"], axis.min(), axis.max()
+    inside = (dataset["cycle_end"] > low) & (dataset["cycle_end"] < high)
+    kept = kind.where(inside | ~is_class(kind, ("bracket",)), CYCLE_END.codes[NOT_COMPUTED])
+    return dataset.assign(cycle_end_kind=kept.assign_attrs(kind.attrs))
+
+
+def _whose(
+    layer: points.Layer, own: xr.Dataset, axis: xr.DataArray, colours: Mapping[str, ColorType]
+) -> tuple[str, ColorType]:
+    """Which of a diagram's parameters a cycle is of, and the colour of these; black without any."""
+    place = points.joined(layer.label, _place_in(layer.dataset, own, str(axis.dims[0])))
+    for words in ({*one.split(", ")} for one in (place, layer.label) if one):
+        for entry, colour in colours.items():
+            if words <= {*entry.split(", ")}:
+                return place, colour
+    return place, style.BLACK
+
+
+def _place_in(diagram: xr.Dataset, own: xr.Dataset, along: str) -> str:
+    """What the lines of a diagram that are at the parameters of a cycle are called by these."""
+    for line in points.lines(diagram, [along, "initial"], points.grid_dims(diagram)):
+        there = diagram.isel(line.index).coords
+        known = [n for n in there if n in own.coords and not there[n].ndim and not own[n].ndim]
+        if all(there[name].item() == own[name].item() for name in known):
+            return line.label
+    return ""
+
+
+def _of_one_section(dataset: xr.Dataset, diagram: xr.Dataset) -> bool:
+    """Whether cycles and diagram lie on the same section, the only one that either has."""
+    if branch.suits(dataset) and not branch.meets_sections(dataset):
+        return False
+    sections = sections_of(dataset, "cycle")
+    return len(sections) == 1 and sections == sections_of(diagram, "response")
+
+
+def sections_of(dataset: xr.Dataset, kind: str) -> set[tuple[object, ...]]:
+    """The sections that an analysis of this kind was asked for, or that its motions chose."""
+    if "section_kind" in dataset:
+        kinds = class_names(dataset["section_kind"]).ravel()
+        contacts = numbers(dataset["section_contact"]).values.ravel()
+        chosen = set(zip(kinds.tolist(), np.nan_to_num(contacts).tolist(), strict=True))
+        return {one for one in chosen if one[0] != SECTION.fill}
+    asked = [one["settings"].get("section") for one in _analyses(dataset) if one["kind"] == kind]
+    return {_of_section(section) for section in asked if section}
+
+
+def _of_section(section: Mapping[str, Any]) -> tuple[object, ...]:
+    """What a section is asked to be: its event and contact, or its state and direction."""
+    if section.get("kind") == "event":
+        return section["event"].replace("->", "_to_"), section["contact"]
+    if section.get("kind") == "zero":
+        return "zero", section["state"], section["direction"]
+    return tuple(section.values())
+
+
+def equilibria_of(
+    layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+) -> dict[str, xr.DataArray]:
+    """Word of `EQUILIBRIA` -> heights of the equilibria of a diagram that are called so, else NaN.
+
+    What tells whether they are stable, along `axis`, is of the diagram's case or one of the others.
+    """
+    diagram = layer.dataset
+    nowhere = dict.fromkeys(EQUILIBRIA, diagram["status"] * np.nan)
+    parts = [of_the_same(one, diagram) for one in (*layer.beside, *others)]
+    beside = [one for one in parts if one is not None and axis.name in one.coords]
+    place = _heights(diagram, beside, observed)
+    judged = next((d["stable"] for d in beside if {"stable", "growth_rate"} <= {*d}), None)
+    if judged is None or place is None:
+        return nowhere
+    called = {word: place.where(is_class(judged, (word,))) for word in EQUILIBRIA}
+    return {word: here.reindex_like(place) for word, here in called.items()}  # of another grid
+
+
+def _heights(
+    diagram: xr.Dataset, beside: Sequence[xr.Dataset], observed: str
+) -> xr.DataArray | None:
+    """Those of the equilibrium that is linearised: what L_s is measured from or, where a diagram
+    has none, what an `equilibrium` analysis beside it found."""
+    number = _linearised_at(diagram)
+    if "L_s_reference" in diagram and observed in diagram["state"]:
+        known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
+        return known.sel(state=observed).max([dim for dim in known.dims if dim == "initial"])
+    for one in beside:
+        if "equilibrium" in one and observed in one["state"] and number <= one.sizes["solution"]:
+            return one["equilibrium"].isel(solution=number - 1).sel(state=observed)
+    return None
+
+
+def all_of(equilibria: Mapping[str, xr.DataArray]) -> xr.DataArray:
+    """The heights of equilibria of every word."""
+    return reduce(lambda one, other: one.fillna(other), equilibria.values())
+
+
+def draw_equilibria(
+    ax: Axes,
+    layer: points.Layer,
+    equilibria: Mapping[str, xr.DataArray],
+    changes: np.ndarray,
+    axis: xr.DataArray,
+) -> tuple[list[Line2D], bool]:
+    """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`.
+
+    Those of several diagrams, or at several values of other axes, have the colours of these.
+    Returned are marks where they turn unstable, not drawn yet, and whether some are one line.
+    """
+    diagram, turns, shares = layer.dataset, [], False
+    axis = select.axis_of(diagram, str(axis.name))
+    dim, x = str(axis.dims[0]), points.positions(axis)
+    lines = points.lines(diagram, [dim, "initial"], points.grid_dims(diagram))
+    colours = points.colours([ax]) if len(lines) > 1 or layer.label else {}
+    known_words = {str(line.get_label()) for line in ax.lines}
+    for word, height in equilibria.items():
+        dashes, weight = EQUILIBRIA[word]
+        of_word = all_of(equilibria), height
+        parts = [[of.isel(line.index).values for of in of_word] for line in lines]
+        drawn = [
+            (points.joined(layer.label, line.label), *up_to_turns(changes, x, every, own))
+            for line, (every, own) in zip(lines, parts, strict=True)
+            if np.isfinite(own).any()
+        ]
+        called = f"{word} equilibrium"
+        for label, places, values, met in drawn:
+            own = points.unlisted(label, called) if colours else called
+            of_line = (colour for name, colour in colours.items() if name.startswith(label))
+            (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
+                              color=next(of_line, style.BLACK), label=own)  # fmt: skip
+            leave_out(line, met[0])
+            shares |= _blacken_shared(ax, line)
+            told = points.unlisted(label, TURNS_HERE)
+            turns += [Line2D(*met, color=line.get_color(), label=told)] * (word == "unstable")
+        if colours and drawn and called not in known_words:
+            ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
+    return turns, shares
+
+
+def mark_turns(ax: Axes, turns: Sequence[Line2D]) -> None:
+    """Where each of several equilibria that are one line turns unstable: the line tells of none."""
+    pairs = [(one, np.array(one.get_data(), float)) for one in turns]
+    seen = [(one, places) for one, places in pairs if places.size]
+    for one, places in seen:
+        ax.plot(*places, color=one.get_color(), label=one.get_label(), **TURN)
+    if seen:
+        ax.plot([], [], color=style.BLACK, label=TURNS_HERE, **TURN)
+
+
+def _blacken_shared(ax: Axes, line: Line2D) -> bool:
+    """What is the same in two diagrams is of neither's colour: the later would hide the other.
+
+    Tells whether there is any.
+    """
+    alike = [one for one in ax.lines[:-1] if one.get_linestyle() == line.get_linestyle()]
+    parts = [
+        shared for shared in (_shared(line, one) for one in alike) if np.isfinite(shared).any()
+    ]
+    for shared in parts:
+        ax.plot(line.get_xdata(), shared, line.get_linestyle(), lw=line.get_linewidth(),
+                zorder=line.get_zorder(), color=style.BLACK, label=DECORATION)  # fmt: skip
+    return bool(parts)
+
+
+def _shared(line: Line2D, other: Line2D) -> np.ndarray:
+    """The heights of a line where another is as high, to a thousandth; NaN elsewhere."""
+    (x, y), (its_x, its_y) = (np.array(one.get_data(), float) for one in (line, other))
+    between = np.interp(x, its_x, its_y, left=np.nan, right=np.nan) if its_x.size else x * np.nan
+    return np.where(np.isclose(y, between, rtol=ALIKE, atol=0.0), y, np.nan)
+
+
+def _linearised_at(diagram: xr.Dataset) -> int:
+    """The number of the equilibrium that the `eigenvalues` of a case are of."""
+    settings = [one["settings"] for one in _analyses(diagram) if one["kind"] == "eigenvalues"]
+    return int(settings[0].get("at_equilibrium", 1)) if settings else 1
+
+
+def _analyses(diagram: xr.Dataset) -> list[dict[str, Any]]:
+    """Kind and settings of the analyses of the case of a diagram."""
+    return list(json.loads(diagram.attrs.get("analyses_json", "{}")).values())
+
+
+def _cycles(
+    dataset: xr.Dataset, axis: xr.DataArray, observed: str, at_section: bool
+) -> Iterator[tuple[xr.Dataset, branch.Stretch]]:
+    """Where cycles are on other axes, and they along this one, of a branch or points of the grid.
+
+    The heights are both extremes, or what they pass `at_section`.
+    """
+    if branch.is_along(dataset, str(axis.name), observed):
+        for line in branch.lines_apart(dataset):
+            stretches = branch.stretches(dataset, line.index, at_section=at_section)
+            yield from ((dataset.isel(line.index), stretch) for stretch in stretches)
+    elif "cycle_period" in dataset and f"{observed}_min" in dataset and axis.name in dataset.coords:
+        if not dataset.coords[str(axis.name)].ndim:
+            dataset = dataset.expand_dims(str(axis.name))
+        own = dataset.coords[str(axis.name)]
+        x, dim = points.positions(own), str(own.dims[0])
+        extremes = [dataset[f"{observed}_{end}"] for end in ("min", "max")]
+        heights = [*_at_section(dataset)] if at_section else extremes
+        lines = [*points.lines(dataset, [dim], points.grid_dims(dataset))]
+        for word in branch.DASHES:
+            before: list[tuple[dict[str, int], np.ndarray]] = []
+            for line in lines:
+                mask = is_class(dataset["stable"], (word,)).isel(line.index)
+                if not mask.any():
+                    continue
+                every = np.array([one.isel(line.index).where(mask).values for one in heights])
+                place = {name: at for name, at in line.index.items() if name != "initial"}
+                shown = _not_again(every, [one for there, one in before if there == place])
+                if np.isfinite(shown).any():
+                    before.append((place, every))
+                    yield dataset.isel(line.index), branch.Stretch(word, x, [*shown], at_section)
+
+
+def _not_again(heights: np.ndarray, before: Sequence[np.ndarray]) -> np.ndarray:
+    """The cycles of a start, shape (heights, points along the axis), that no start `before` found.
+
+    Dashes over dashes would be a line. Neighbours of others are kept, to which their lines lead.
+    """
+    same = [
+        np.isclose(heights, one, rtol=SAME, atol=0.0, equal_nan=True).all(axis=0) for one in before
+    ]
+    again = np.logical_or.reduce([np.zeros(heights.shape[-1], bool), *same])
+    own = np.pad(~again & np.isfinite(heights).any(axis=0), 1)
+    return np.where(~again | own[:-2] | own[2:], heights, np.nan)
+
+
+def _at_section(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
+    """The least that each cycle passes at the section, the one above it, and so on."""
+    sizes = select.row_sizes(dataset, DEFAULT)
+    assert sizes is not None
+    for values in branch.columns(dataset[DEFAULT].values, sizes.values.ravel()):
+        yield sizes.copy(data=values.reshape(sizes.shape))

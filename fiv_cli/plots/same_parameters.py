@@ -1,0 +1,57 @@
+"""Which part of one dataset is at the parameters that another holds fixed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fiv_cli.reading import select
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
+    """The part of a dataset at what a diagram holds fixed; None: it has no such."""
+    known, chosen = _axes_and_numbers(dataset), _choices(dataset)
+    fixed = _numbers_held(diagram, known) | _choices(diagram)
+    spread = {n: value for n, value in fixed.items() if n in known and known[n].size > 1}
+    for name, value in fixed.items():
+        if name not in spread and not _agree(chosen.get(name, known.get(name, value)), value):
+            return None
+    try:
+        return select.subset(dataset, spread, nearest=False)
+    except select.SelectionError:
+        return None
+
+
+def _axes_and_numbers(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    return {str(name): coord for name, coord in dataset.coords.items() if coord.ndim < 2}
+
+
+def _numbers_held(diagram: xr.Dataset, known: Mapping[str, xr.DataArray]) -> dict[str, Any]:
+    return {
+        name: coord.item()
+        for name, coord in _axes_and_numbers(diagram).items()
+        if coord.size == 1 and coord.dtype.kind in "fiu" and name in known
+    }
+
+
+def _choices(dataset: xr.Dataset) -> dict[str, Any]:
+    """Law and options of a dataset, where each is one."""
+    told = json.loads(dataset.attrs.get("options_json", "{}"))
+    told |= {"friction": dataset.attrs["law"]} if "law" in dataset.attrs else {}
+    axes = {name: dataset[name] for name in told if name in dataset.coords}
+    return {
+        name: axes[name].item() if name in axes else value
+        for name, value in told.items()
+        if name not in axes or axes[name].size == 1
+    }
+
+
+def _agree(one: Any, other: Any) -> bool:
+    """Whether two names, or two numbers, are the same."""
+    return bool(one == other if isinstance(other, str) else np.isclose(one, other, atol=0.0))
