@@ -1228,6 +1228,23 @@ def test_lines_of_equilibria_meet_where_a_critical_value_says_or_midway(found, m
         )
 
 
+def test_lines_of_equilibria_meet_where_growth_rates_are_zero_without_a_critical_value():
+    """By a straight line between two points; a table of marks says so."""
+    analyses = with_eigenvalues()
+    analyses["eigenvalues"]["growth_rate"] -= 0.07  # zero at 2.93, between 2.9 and 3
+    (ax,) = draw(analyses, figure("bifurcation")).axes
+    for word, end in (("stable", 0), ("unstable", -1)):
+        (line,) = [one for one in ax.lines if one.get_label() == f"{word} equilibrium"]
+        x, y = line.get_data()
+        assert (x[np.isfinite(y)][end], y[np.isfinite(y)][end]) == pytest.approx((2.93, 0.0293))
+    both = draw([("one", analyses), ("two", with_eigenvalues())], figure("bifurcation"))
+    (ax,) = both.axes
+    told = {str(one.get_label()): one.get_xdata().tolist() for one in ax.lines
+            if one.get_marker() == "|" and len(one.get_xdata())}  # fmt: skip
+    assert told["_one, read between points, equilibrium turns unstable"] == pytest.approx([2.93])
+    assert "equilibrium turns unstable" in legend_texts(ax)
+
+
 def test_a_line_of_equilibria_does_not_lead_to_where_there_is_none():
     """Where it ended, or eigenvalues failed, the line stops at the neighbour."""
     response, eigenvalues = with_eigenvalues().values()
@@ -4532,6 +4549,11 @@ def test_of_whole_periods_a_spectrum_has_upright_lines_at_their_harmonics(period
         x, _ = np.transpose([line.get_transform().transform((2.0, 0.5)) for line in both.lines])
         wide = both.lines[0].get_linewidth() / 72.0 * both.figure.dpi
         assert x[1] - x[0] > wide  # one does not hide the other
+    rows = [*csv.DictReader(as_csv(both.figure, Path("a.csv")).splitlines())]
+    told = np.array([[float(row["x"]), float(row["y"])] for row in rows])
+    heights = [line.get_ydata()[1::3] for line in both.lines]
+    np.testing.assert_array_equal(told[:, 1], np.concatenate(heights))  # and not one of their feet
+    np.testing.assert_allclose(told[told[:, 1] > 0.1 * top, 0], [2.0, 6.0] * 2)
 
 
 def test_the_spectrum_of_what_jumps_between_samples_knows_where():

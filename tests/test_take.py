@@ -13,6 +13,7 @@ from fiv_cli.case.load import parse_case
 from fiv_cli.case.structure import COUNTED
 from fiv_cli.errors import CaseError
 from fiv_cli.plots import draw
+from fiv_cli.plots.style import look_of, notes_on
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
 from fiv_cli.reading.take import taken
@@ -270,6 +271,30 @@ def spectrogram():
 def test_what_is_taken_along_time(variable, what, of, expected):
     take = {"over": ["time"], "what": what} | ({"of": of} if of else {})
     assert taken(history(), variable, take)[what].values.tolist() == expected
+
+
+@pytest.mark.parametrize(
+    ("what", "found"), [("spread", [0.2, np.nan, np.nan]), ("difference", [0.1, np.nan, np.nan])]
+)
+def test_one_value_alone_is_no_agreement_and_a_figure_says_why_there_is_none(what, found):
+    """Over the last three phases all are known, then one, then none."""
+    classes = CLASSES.astype(object)
+    classes[1, 2:] = classes[2] = "contact_lost"
+    dataset = plane(classes)
+    known = dataset["stick_fraction"].where(classes != "contact_lost")
+    dataset = dataset.assign(stick_fraction=known).isel(psi_a=slice(1, 4))
+    take = {"what": what, "over": ["psi_a"]}
+    np.testing.assert_allclose(taken(dataset, "stick_fraction", take)[what].values, found)
+    settings = {"variable": "stick_fraction", "take": take}
+    for titled in (True, False):
+        drawn = draw(
+            dataset, FigureSpec("c", "curve", settings), look=look_of("screen", titled=titled)
+        )
+        (ax,) = drawn.axes
+        (lost,) = [line for line in ax.lines if line.get_label() == "contact lost"]
+        assert lost.get_xdata().tolist() == [2.0, 3.0]
+        told = "5 without stick_fraction (contact_lost 5) are left out"
+        assert (told in drawn.get_suptitle(), told in notes_on(drawn)) == (titled, not titled)
 
 
 def test_the_frequency_at_which_a_spectrum_is_largest_at_each_instant():

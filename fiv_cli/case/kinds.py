@@ -67,7 +67,8 @@ FIGURES = {
     "bifurcation": (
         "what motions pass at the section and where they rest, along an axis, of a `response` or a "
         "`cycle`; with the equilibria, stable or not, where the case has `eigenvalues`, too (and, "
-        "without a `response`, `equilibrium`), and the cycles of a `cycle` on the same section (of "
+        "without a `response`, `equilibrium`; where these turn is read between the points unless "
+        "it has `critical`), and the cycles of a `cycle` on the same section (of "
         "unstable ones on another their extremes)",
         ("x", "variable"),
     ),
@@ -84,8 +85,8 @@ FIGURES = {
         ("x", "y", "variable", "contact", "window", "overlay"),
     ),
     "spectrum": (
-        "amplitudes over frequency; along an axis of more than three numbers, or x, shades, "
-        "frequency upright",
+        "amplitudes over frequency, upright lines of several side by side, a line's width apart; "
+        "along an axis of more than three numbers, or x, shades, frequency upright",
         ("x", "variable", "window", "unit"),
     ),
     "spectrogram": ("amplitudes over time and frequency", ("variable", "unit", "resolution")),
@@ -122,6 +123,7 @@ TAKES = {
     "greatest": ("the greatest of the numbers", ("over",)),
     "mean": ("their mean", ("over",)),
     "spread": ("the greatest less the least", ("over",)),
+    "difference": ("what the last along an axis has more than the first, or less", ("over",)),
     "peak": ("at which point of an axis the greatest is", ("over",)),
 }
 """`what` is taken of many values -> what it is, and the other keys of ``take``."""

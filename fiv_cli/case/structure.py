@@ -345,11 +345,12 @@ What = Literal[
     "greatest",
     "mean",
     "spread",
+    "difference",
     "peak",
 ]
 # What is counted needs `of`; what is found in one place needs one axis.
 COUNTED = ("share", "entries", "first", "last")
-ALONG_ONE = ("entries", "first", "last", "peak")
+ALONG_ONE = ("entries", "first", "last", "difference", "peak")
 
 
 Of = Annotated[

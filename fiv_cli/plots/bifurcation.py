@@ -8,7 +8,7 @@ the dataset of a branch that is drawn with it; where equilibria turn stable a `c
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -21,7 +21,7 @@ from fiv_cli.plots import branch, labels, points, style
 from fiv_cli.plots.cloud_marks import mark_clouds
 from fiv_cli.plots.clouds import DEFAULT, clouds_of, observed_state, shared_apart
 from fiv_cli.plots.diagram_lines import (
-    all_of,
+    Equilibria,
     changes_along,
     critical_values,
     draw_cycles,
@@ -70,7 +70,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     found = [
         cloud
         for layer, lines in zip(shown, equilibria, strict=True)
-        for cloud in shared_apart([*clouds_of(layer, name, all_of(lines), settings)])
+        for cloud in shared_apart([*clouds_of(layer, name, lines.every, settings)])
     ]
     clouds = [cloud for cloud in found if cloud.y.size or cloud.rest_y.size]
     points.refuse_empty(first, bool(clouds), name)
@@ -138,7 +138,7 @@ def _draw_all_cycles(
 def _draw_all_equilibria(
     ax: Axes,
     shown: Sequence[points.Layer],
-    equilibria: Sequence[Mapping[str, xr.DataArray]],
+    equilibria: Sequence[Equilibria],
     others: Sequence[xr.Dataset],
     axis: xr.DataArray,
     observed: str,

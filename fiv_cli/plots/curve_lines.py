@@ -79,7 +79,8 @@ def equilibria(layer: points.Layer, axis: xr.DataArray, births: np.ndarray) -> I
                 np.where(one.isel(line.index).values, 0.0, np.nan) for one in (known, of_word)
             )
             if np.isfinite(y).any():
-                at, y, _ = up_to_turns(births, x, every, y) if births.size else (x, y, ())
+                growth = judged["growth_rate"].isel(line.index).values
+                at, y, _ = up_to_turns(births, x, every, y, growth)
                 what = at, y, np.zeros(at.size, bool), (y, y), np.zeros(at.size)
                 look: dict[str, Any] = {"dash": dash, "mark": {"marker": "None"}}
                 words = {DATASET: layer.label, **line.words}

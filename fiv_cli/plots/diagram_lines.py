@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import reduce
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 CHANGE: dict[str, Any] = {"mec": "white", "mew": 0.4, "ms": 4.0, "ls": "none"}
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
 TURNS_HERE = "equilibrium turns unstable"
+BETWEEN = "read between points"
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 
 
@@ -168,23 +170,38 @@ def _of_section(section: Mapping[str, Any]) -> tuple[object, ...]:
     return tuple(section.values())
 
 
+@dataclass(frozen=True)
+class Equilibria:
+    """The heights of a diagram's equilibria by their word of `EQUILIBRIA`, NaN of other words, and
+    the largest growth rate of each."""
+
+    called: Mapping[str, xr.DataArray]
+    growth: xr.DataArray
+
+    @property
+    def every(self) -> xr.DataArray:
+        """The heights of all."""
+        return reduce(lambda one, other: one.fillna(other), self.called.values())
+
+
 def equilibria_of(
     layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
-) -> dict[str, xr.DataArray]:
-    """Word of `EQUILIBRIA` -> heights of the equilibria of a diagram that are called so, else NaN.
+) -> Equilibria:
+    """The equilibria of a diagram.
 
     What tells whether they are stable, along `axis`, is of the diagram's case or one of the others.
     """
     diagram = layer.dataset
-    nowhere = dict.fromkeys(EQUILIBRIA, diagram["status"] * np.nan)
+    nowhere = diagram["status"] * np.nan
     parts = [of_the_same(one, diagram) for one in (*layer.beside, *others)]
     beside = [one for one in parts if one is not None and axis.name in one.coords]
     place = _heights(diagram, beside, observed)
-    judged = next((d["stable"] for d in beside if {"stable", "growth_rate"} <= {*d}), None)
+    judged = next((d for d in beside if {"stable", "growth_rate"} <= {*d}), None)
     if judged is None or place is None:
-        return nowhere
-    called = {word: place.where(is_class(judged, (word,))) for word in EQUILIBRIA}
-    return {word: here.reindex_like(place) for word, here in called.items()}  # of another grid
+        return Equilibria(dict.fromkeys(EQUILIBRIA, nowhere), nowhere)
+    called = {word: place.where(is_class(judged["stable"], (word,))) for word in EQUILIBRIA}
+    growth = judged["growth_rate"].where(place.notnull()).reindex_like(place)  # of another grid
+    return Equilibria({word: here.reindex_like(place) for word, here in called.items()}, growth)
 
 
 def _heights(
@@ -202,15 +219,10 @@ def _heights(
     return None
 
 
-def all_of(equilibria: Mapping[str, xr.DataArray]) -> xr.DataArray:
-    """The heights of equilibria of every word."""
-    return reduce(lambda one, other: one.fillna(other), equilibria.values())
-
-
 def draw_equilibria(
     ax: Axes,
     layer: points.Layer,
-    equilibria: Mapping[str, xr.DataArray],
+    equilibria: Equilibria,
     changes: np.ndarray,
     axis: xr.DataArray,
 ) -> tuple[list[Line2D], bool]:
@@ -225,13 +237,13 @@ def draw_equilibria(
     lines = points.lines(diagram, [dim, "initial"], points.grid_dims(diagram))
     colours = points.colours([ax]) if len(lines) > 1 or layer.label else {}
     known_words = {str(line.get_label()) for line in ax.lines}
-    for word, height in equilibria.items():
+    for word, height in equilibria.called.items():
         dashes, weight = EQUILIBRIA[word]
-        of_word = all_of(equilibria), height
+        of_word = equilibria.every, height, equilibria.growth
         parts = [[of.isel(line.index).values for of in of_word] for line in lines]
         drawn = [
-            (points.joined(layer.label, line.label), *up_to_turns(changes, x, every, own))
-            for line, (every, own) in zip(lines, parts, strict=True)
+            (points.joined(layer.label, line.label), *up_to_turns(changes, x, every, own, growth))
+            for line, (every, own, growth) in zip(lines, parts, strict=True)
             if np.isfinite(own).any()
         ]
         called = f"{word} equilibrium"
@@ -240,9 +252,9 @@ def draw_equilibria(
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
-            leave_out(line, met[0])
+            leave_out(line, met.T)
             shares |= _blacken_shared(ax, line)
-            told = points.unlisted(label, TURNS_HERE)
+            told = points.unlisted(label, BETWEEN * (not changes.size), TURNS_HERE)
             turns += [Line2D(*met, color=line.get_color(), label=told)] * (word == "unstable")
         if colours and drawn and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)

@@ -254,7 +254,9 @@ def _drawn(
         for ax in style.own_axes(drawn) if settings.keys() & {"xlim", "ylim"} else ():
             points.show_on_the_frame(ax)
         style.finish(drawn)
-        style.add_notes(drawn, [*changed(_lined(figure))])
+        without = [one.dataset.attrs.get("without", "") for one in layers]  # a title tells it
+        untold = [] if style.has_titles() else dict.fromkeys(filter(None, without))
+        style.add_notes(drawn, [*changed(_lined(figure)), *untold])
         return drawn
 
 
@@ -374,6 +376,7 @@ def _taken(dataset: xr.Dataset, settings: Settings) -> xr.Dataset:
     """The dataset as what the figure takes of its variable."""
     how, name = settings["take"], points.one_variable(settings, "attractor")
     found = take.taken_of_each(dataset, name, how)
+    found = take.told_by_class(found, dataset, name, how)
     found = found.assign_attrs(without=take.without_value(dataset, name, how))
     return shares.with_standard_error(found, dataset, how, [*shares.drawn_of(dataset)])
 

@@ -19,6 +19,7 @@ from matplotlib.collections import LineCollection, PathCollection, QuadMesh
 from matplotlib.contour import ContourSet
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator
+from matplotlib.transforms import BlendedGenericTransform
 
 from fiv_cli.errors import UsageError
 
@@ -36,7 +37,7 @@ DECORATION = "_nolegend_"
 START = "start"
 """A column more, of figures whose points have names: those of starts."""
 _NAMES: WeakKeyDictionary[Artist, Sequence[str]] = WeakKeyDictionary()
-_BETWEEN: WeakKeyDictionary[Artist, np.ndarray] = WeakKeyDictionary()
+_LEFT_OUT: WeakKeyDictionary[Artist, set[tuple[float, float]]] = WeakKeyDictionary()
 UNNAMED = "_child"  # what matplotlib calls an artist without a label, and counts
 
 
@@ -45,9 +46,9 @@ def name_points(artist: Artist, names: Sequence[str]) -> None:
     _NAMES[artist] = names
 
 
-def leave_out(artist: Artist, x: np.ndarray) -> None:
-    """The points of an artist at these x lie between those that were computed: in no table."""
-    _BETWEEN[artist] = x
+def leave_out(artist: Artist, points: np.ndarray) -> None:
+    """These points of an artist, shape (n, 2), tell nothing that was computed: in no table."""
+    _LEFT_OUT[artist] = {(x, y) for x, y in points.tolist()}
 
 
 def as_csv(figure: Figure, path: Path) -> str:
@@ -132,8 +133,15 @@ def _lines(ax: Axes) -> Iterator[tuple[str, int, np.ndarray, Sequence[str]]]:
         series = "" if label.startswith(UNNAMED) else in_one_line(label).removeprefix("_")
         for points in () if label == DECORATION else _pieces(artist, ax):
             number += 1
-            told = points[~np.isin(points[:, 0], _BETWEEN.get(artist, ()))]
-            yield series, number, told, _NAMES.get(artist, ())
+            yield series, number, _told_of(artist, points), _NAMES.get(artist, ())
+
+
+def _told_of(artist: Artist, points: np.ndarray) -> np.ndarray:
+    """The points of a piece of an artist but for those that are left out."""
+    left_out = _LEFT_OUT.get(artist)
+    if not left_out:
+        return points
+    return points[[(x, y) not in left_out for x, y in points.tolist()]]
 
 
 def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
@@ -152,7 +160,9 @@ def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
 def _pieces_of_line(line: Line2D, ax: Axes) -> list[np.ndarray]:
     """The points of a line between its gaps, or all its marks; a height off the axis is NaN."""
     points = np.array(line.get_xydata(), float)
-    if not line.get_transform().contains_branch_seperately(ax.transData)[1]:
+    transform = line.get_transform()  # that of data, perhaps shifted, or one for each direction
+    apart = isinstance(transform, BlendedGenericTransform)
+    if apart and not transform.contains_branch_seperately(ax.transData)[1]:
         pieces = [np.unique(points[:, :1], axis=0) * (1.0, np.nan)]
     else:
         known = np.isfinite(points).all(axis=1)

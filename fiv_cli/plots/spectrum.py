@@ -19,6 +19,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import ENDED_EARLY
 from fiv_cli.plots import labels, levels, motion, points, style
 from fiv_cli.plots import map as map_
+from fiv_cli.plots.drawn import leave_out
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import is_class, numbers
 from fiv_cli.reading.sampling import displacements
@@ -223,7 +224,9 @@ def _plot_among(
     is_upright = bool(np.isnan(height).any())
     width = UPRIGHT * (1 if is_upright else 1 + (count - 1 - number) / count)
     (line,) = ax.plot(x, height, lw=width, solid_capstyle="butt", **look)
-    if is_upright:  # moved when the panel has its limits, which are those of values
+    if is_upright:
+        leave_out(line, np.column_stack([x, 0.0 * x]))  # their feet
+        # they are moved when the panel has its limits, which are those of values
         step = min(ASIDE, MOST_ASIDE / count) * UPRIGHT * style.weight() / style.POINTS
         aside = (number - 0.5 * (count - 1)) * step
         scale = ax.figure.dpi_scale_trans

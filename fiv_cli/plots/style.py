@@ -348,6 +348,11 @@ def weight() -> float:
     return _LOOK.get().weight
 
 
+def has_titles() -> bool:
+    """Whether titles stand above figures."""
+    return _LOOK.get().titled
+
+
 def before(figure: Figure, text: str) -> str:
     """A text of a figure, in one line, before words of one's own took the place of others."""
     words = " ".join(text.split())

@@ -140,6 +140,26 @@ def without_value(part: xr.Dataset, variable: str, take: Mapping[str, Any]) -> s
     return f"{counts.total()} without {variable} ({listed}) {counted}"
 
 
+def told_by_class(
+    found: xr.Dataset, part: xr.Dataset, variable: str, take: Mapping[str, Any]
+) -> xr.Dataset:
+    """What is taken, whose status is a class of points without a value where nothing is left."""
+    what, status = take["what"], found["status"]
+    nothing = found[f"{what}_low"].isnull() & is_class(status, ("ok",))
+    if "attractor" not in part or not {*part[variable].dims} <= {*part["status"].dims}:
+        return found
+    dims = _dims([select.axis_of(part, name) for name in take["over"]])
+    lacking = numbers(part[variable]).isnull() & ~unknown_points(part, variable, False)
+    names = {**flag_names(status.attrs)}
+    for name in flag_names(part["attractor"].attrs).values():
+        here = nothing & (lacking & is_class(part["attractor"], (name,))).any(dims)
+        if here.any():
+            names[max(names) + 1] = name
+            status = status.where(~here, max(names))
+    kept = {"flag_values": np.array([*names], np.int8), "flag_meanings": " ".join(names.values())}
+    return found.assign(status=status.assign_attrs(found["status"].attrs | kept))
+
+
 def _values(array: xr.DataArray, of: str | Sequence[str]) -> xr.DataArray:
     """The numbers; with `of` 1 where it holds, else 0, also where no value applies (NaN)."""
     if not of:
@@ -255,8 +275,12 @@ def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> 
     if take["what"] in ("first", "last"):
         words = f"{axis.attrs.get('long_name', axis.name)} {words}"
     over = "over that of the reference" if take.get("relative_to") else ""
-    of_what = f"{'of ' * (take['what'] in ('spread', 'classes'))}{words}"
-    return " ".join(filter(None, (take["what"], of_what, over)))
+    of_what = f"{'of ' * (take['what'] in ('spread', 'difference', 'classes'))}{words}"
+    named = " ".join(filter(None, (take["what"], of_what, over)))
+    if take["what"] != "difference":
+        return named
+    first, last = (f"{end:.4g}" if select.is_numeric(axis) else end for end in axis.values[[0, -1]])
+    return f"{named}, {axis.name}: {last} less {first}"
 
 
 # --- ways of taking -------------------------------------------------------------------------------
@@ -294,13 +318,26 @@ def _classes(codes: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
     return (codes.isin([math.inf]).sum(_dims(axes)) + counts).astype(float)
 
 
+def _spread(array: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
+    """From the least to the greatest; of one alone of several that has a value there is none."""
+    dims = _dims(axes)
+    alone = (array.notnull().sum(dims) < 2) & (array.isnull().sum(dims) > 0)
+    return (array.max(dims) - array.min(dims)).where(~alone)
+
+
+def _difference(array: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
+    """The last along the axis less the first."""
+    (dim,) = _dims(axes)
+    return array.isel({dim: -1}) - array.isel({dim: 0})
+
+
 def _peak(array: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
     """The place of the greatest value along the axis."""
     return _first((array == array.max(_dims(axes))).astype(float), axes)
 
 
 _HELD_OR_NOT, _ANYTHING = (0.0, 1.0), (-math.inf, math.inf)
-_MOVED = {"least": 1.0, "greatest": 1.0, "mean": 1.0, "spread": 2.0}
+_MOVED = {"least": 1.0, "greatest": 1.0, "mean": 1.0, "spread": 2.0, "difference": 2.0}
 """How far they may be off, in greatest errors of the values."""
 
 _TAKINGS = {
@@ -312,6 +349,7 @@ _TAKINGS = {
     "least": _Taking(lambda array, axes: array.min(_dims(axes)), _ANYTHING),
     "greatest": _Taking(lambda array, axes: array.max(_dims(axes)), _ANYTHING),
     "mean": _Taking(lambda array, axes: array.mean(_dims(axes)), _ANYTHING),
-    "spread": _Taking(lambda array, axes: array.max(_dims(axes)) - array.min(_dims(axes))),
+    "spread": _Taking(_spread),
+    "difference": _Taking(_difference),
     "peak": _Taking(_peak),
 }
