@@ -171,7 +171,7 @@ def test_a_case_and_its_dataset_are_told_apart(capsys: pytest.CaptureFixture[str
         (["plot", "pin.nc"], "did you mean 'runs/pin.nc'?"),
         (
             ["plot", "runs/pin.nc", "--figure", "map"],
-            "runs/pin-map.png: not written: a map needs two axes",
+            "figure map of runs/pin.nc: not written: a map needs two axes",
         ),
         (
             ["plot", "runs/pin.nc", "--figure", "map"],

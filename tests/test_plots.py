@@ -1479,7 +1479,7 @@ def test_a_figure_that_would_be_empty_says_why(kind, stored):
     with pytest.raises(EmptyFigureError, match=r"none of the 2 points has a value \(failed 2\)"):
         draw(dataset, figure(kind))
     dataset.to_netcdf("failed.nc")
-    with pytest.raises(EmptyFigureError, match=rf"failed-{kind}.png: not written: .*failed 2"):
+    with pytest.raises(EmptyFigureError, match=rf"{kind} of .*failed.nc: not written: .*failed 2"):
         run(plot_command, "failed.nc")
     class_too = data.attributes(figure(kind), figure("curve", variable="attractor"))
     filled = dataset.assign(attractor=dataset["attractor"] * 0).assign_attrs(class_too)
@@ -1495,7 +1495,7 @@ def test_one_figure_that_cannot_be_drawn_leaves_the_others(stored):
     figures = figure("curve", variable="gone"), classes
     dataset = data.bifurcation().assign_attrs(data.attributes(*figures))
     dataset.to_netcdf("wrong.nc")
-    with pytest.raises(UsageError, match=r"wrong-curve\.png: not written: gone"):
+    with pytest.raises(UsageError, match=r"curve of .*wrong\.nc: not written: gone"):
         run(plot_command, "wrong.nc")
     assert [path.name for path in stored.glob("wrong-*.png")] == ["wrong-classes.png"]
 

@@ -264,8 +264,8 @@ def _of_files(
                 said = "; ".join(_said(drawn[-1][1]))
                 click.echo(f"{told}: in no legend and at no axis; there: {said}", err=True)
         except UsageError as error:
-            which = default if len(sources) == 1 else f"figure {figure.name} of all files"
-            left_out.append(type(error)(f"{which}: not written: {error}"))
+            whose = sources[0][0] if len(sources) == 1 else "all files"
+            left_out.append(type(error)(f"figure {figure.name} of {whose}: not written: {error}"))
     if not drawn:
         for one in left_out[1:]:
             click.echo(one, err=True)
