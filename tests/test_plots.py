@@ -35,6 +35,7 @@ from fiv_cli.plots import (
     drawing,
     figures_of,
     leaps,
+    legends,
     levels,
     look_of,
     motion,
@@ -51,6 +52,7 @@ from fiv_cli.plots.critical_lines import _is_inside
 from fiv_cli.plots.curve_lines import _narrowed
 from fiv_cli.plots.drawing import _meant
 from fiv_cli.plots.drawn import DECORATION, as_csv, in_one_line
+from fiv_cli.plots.fitting import tame_texts
 from fiv_cli.plots.law import force
 from fiv_cli.plots.levels import MOST_WRITTEN
 from fiv_cli.plots.points import GAP_MARKS
@@ -61,7 +63,6 @@ from fiv_cli.plots.style import (
     dot_size,
     finer,
     line_colours,
-    tame_texts,
 )
 from fiv_cli.reading import sampling
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
@@ -2392,14 +2393,14 @@ def test_a_key_has_the_colour_of_what_it_stands_for_unless_others_tell_colours(k
     ax.plot([0.0, 1.0], [0.0, 1.0], color=style.PURPLE, label="_unstable cycle")
     ax.plot([], [], color=style.BLUE, label="small and up", **key)
     (stands_for,) = ax.plot([], [], color=BLACK, label="unstable cycle")
-    style.colour_keys([ax])
+    legends.colour_keys([ax])
     assert (stands_for.get_color() == style.PURPLE.lower()) == is_told
 
 
 def test_a_legend_has_no_more_columns_than_its_rows_need():
-    assert style.columns_of(["word"] * 6, 5 * (4 + style.KEY_LETTERS)) == 3
-    assert style.columns_of(["word"] * 5, 5 * (4 + style.KEY_LETTERS)) == 5
-    assert style.columns_of(["word"] * 6, 4) == style.columns_of([], 4) == 1
+    assert legends.columns_of(["word"] * 6, 5 * (4 + legends.KEY_LETTERS)) == 3
+    assert legends.columns_of(["word"] * 5, 5 * (4 + legends.KEY_LETTERS)) == 5
+    assert legends.columns_of(["word"] * 6, 4) == legends.columns_of([], 4) == 1
 
 
 @pytest.mark.parametrize(
@@ -5488,7 +5489,7 @@ def test_maps_of_several_files_are_drawn_as_one_of_them_asks_and_say_what_they_d
 ):
     titles = []
     note = lambda figure: titles.append(" ".join(t.get_text() for t in figure.findobj(Text)))  # noqa: E731
-    monkeypatch.setattr("fiv_cli.plots.style.finish", note)
+    monkeypatch.setattr("fiv_cli.plots.fitting.finish", note)
     asked = FigureSpec("reached", "map", {"variable": "attractor"})
     for k2, figures in ((1e3, [asked]), (2e3, [])):
         whole = data.stability_map().attrs | data.attributes(*figures)

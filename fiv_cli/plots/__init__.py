@@ -17,7 +17,8 @@ from fiv_cli.plots.drawing import (
     possible_figures,
 )
 from fiv_cli.plots.law import draw_laws
-from fiv_cli.plots.style import LOOKS, Look, look_of, save
+from fiv_cli.plots.saving import save
+from fiv_cli.plots.style import LOOKS, Look, look_of
 
 __all__ = [
     "LOOKS",

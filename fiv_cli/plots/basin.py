@@ -20,7 +20,7 @@ from matplotlib.collections import PolyCollection
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
-from fiv_cli.plots import drawn, labels, motion, phase, points, style
+from fiv_cli.plots import drawn, labels, legends, motion, phase, points, style
 from fiv_cli.plots import map as map_
 from fiv_cli.plots.same_parameters import of_the_same
 from fiv_cli.reading import shares
@@ -93,7 +93,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     of_starts = f"{what} of the starts{'' if single else ' above each panel'}{error}"
     if not single and any("cycle" in name for name in looks):
         of_starts += "; cycles by size"
-    style.legend_below(figure, style.told_in(axes)[0], of_starts)
+    legends.legend_below(figure, legends.told_in(axes)[0], of_starts)
     return figure
 
 

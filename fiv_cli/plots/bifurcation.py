@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import SECTION
-from fiv_cli.plots import branch, labels, points, style
+from fiv_cli.plots import branch, labels, legends, points, style
 from fiv_cli.plots.cloud_marks import mark_clouds
 from fiv_cli.plots.clouds import DEFAULT, clouds_of, observed_state, shared_apart
 from fiv_cli.plots.diagram_lines import (
@@ -155,7 +155,7 @@ def _draw_all_equilibria(
 def _name_marks(ax: Axes, marks: Sequence[Line2D], diagram: xr.Dataset) -> None:
     """Give the only marks of a diagram their name, in a legend if there is one anyway."""
     _name_alone(marks, _start_of(diagram))
-    if style.told_in([ax])[1] or points.gaps(diagram) or points.ended(diagram):
+    if legends.told_in([ax])[1] or points.gaps(diagram) or points.ended(diagram):
         marks[0].set_label(_start_of(diagram))
 
 

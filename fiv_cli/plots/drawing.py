@@ -20,6 +20,7 @@ from fiv_cli.plots import (
     branch,
     curve,
     eigenvalues,
+    fitting,
     history,
     mode_shape,
     motion,
@@ -253,7 +254,7 @@ def _drawn(
         points.relabel(drawn, settings)
         for ax in style.own_axes(drawn) if settings.keys() & {"xlim", "ylim"} else ():
             points.show_on_the_frame(ax)
-        style.finish(drawn)
+        fitting.finish(drawn)
         without = [one.dataset.attrs.get("without", "") for one in layers]  # a title tells it
         untold = [] if style.has_titles() else dict.fromkeys(filter(None, without))
         style.add_notes(drawn, [*changed(_lined(figure)), *untold])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.patches import Patch
 
-from fiv_cli.plots import labels, motion, points, style
+from fiv_cli.plots import labels, legends, motion, points, style
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.reading import sampling
 
@@ -172,7 +172,7 @@ def _legend(
     contact: str,
 ) -> None:
     """What the lines of points are, and the shades."""
-    places, _ = style.told_in(axes)
+    places, _ = legends.told_in(axes)
     handles = [
         Patch(
             color=style.CLASSES[state],
@@ -182,4 +182,4 @@ def _legend(
         )
         for state in states
     ]
-    style.legend_below(figure, [*places, *handles, *others], contact)
+    legends.legend_below(figure, [*places, *handles, *others], contact)

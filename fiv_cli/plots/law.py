@@ -12,7 +12,7 @@ from fiv_cli.friction import all_laws
 from fiv_cli.friction.base import Law, Slip
 from fiv_cli.notation.names import pick
 from fiv_cli.own.load import following
-from fiv_cli.plots import labels, style
+from fiv_cli.plots import fitting, labels, legends, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,7 +41,7 @@ def draw_laws(
     laws = [_given(words) for words in wanted]
     with style.looks(look=look):
         figure = _draw(laws, fastest)
-        style.finish(figure)
+        fitting.finish(figure)
         return figure
 
 
@@ -76,8 +76,8 @@ def _draw(laws: Sequence[Given], fastest: float) -> Figure:
     ax.set_ylabel("$F_T$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
     ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label="held in stick")
-    style.colour_keys([ax])
-    style.legend_below(figure, style.told_in([ax])[0])
+    legends.colour_keys([ax])
+    legends.legend_below(figure, legends.told_in([ax])[0])
     return figure
 
 

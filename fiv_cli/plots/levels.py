@@ -23,7 +23,7 @@ from matplotlib.patheffects import withStroke
 
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import labels, level_notes, points, style
+from fiv_cli.plots import labels, legends, level_notes, points, style
 from fiv_cli.plots.level_notes import Panel
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import ends_of, flag_names
@@ -507,7 +507,7 @@ def overlay(
     of_all = keys(array, levels, style.BLACK if len(planes) > 1 else colours[0], panels)
     both = _both([ends for panel in panels for ends in panel])
     heading = f"{level_notes.words(array, levels[0], levels)}{both}" if told and single else ""
-    style.legend_below(figure, [*told, *([] if told and single else of_all)], heading)
+    legends.legend_below(figure, [*told, *([] if told and single else of_all)], heading)
     figure.draw_without_rendering()  # levels are written along lines as they look
     written: set[float] = set()
     for (label, panel), colour, dash in zip(planes, colours, dashes, strict=True):

@@ -16,7 +16,7 @@ from matplotlib.patches import Patch
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED, ON_THE_WAY
 from fiv_cli.notation.names import pick
-from fiv_cli.plots import labels, level_notes, levels, points, style
+from fiv_cli.plots import labels, legends, level_notes, levels, points, style
 from fiv_cli.plots.critical_lines import CriticalLines
 from fiv_cli.plots.level_notes import Panel
 from fiv_cli.reading import select
@@ -541,7 +541,7 @@ def legend_below(figure: Figure, handles: Sequence[Artist], missing: str) -> Non
     """A legend under the panels, with the hatching where something is `missing`."""
     hatching = Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label=missing)
     shown = [*handles, hatching] if missing else handles
-    style.legend_below(figure, shown)
+    legends.legend_below(figure, shown)
 
 
 def _paint_numbers(

@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
-from fiv_cli.plots import motion, points, smooth, style
+from fiv_cli.plots import legends, motion, points, smooth, style
 from fiv_cli.reading import sampling
 
 if TYPE_CHECKING:
@@ -65,7 +65,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.set_title("" if shared else one.label)
         ax.set_xlabel(motion.label_of(dataset[names[0]], settings))
     axes[0].set_ylabel(motion.label_of(dataset[names[1]], settings))
-    style.legend_below(figure, [*_keys(portraits, names)], motion.named_contact(dataset, settings))
+    legends.legend_below(
+        figure, [*_keys(portraits, names)], motion.named_contact(dataset, settings)
+    )
     return figure
 
 

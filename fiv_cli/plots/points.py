@@ -18,7 +18,7 @@ from fiv_cli.case.overrides import parse_override
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import ENDED_EARLY
 from fiv_cli.notation.units import parse_unit
-from fiv_cli.plots import labels, style
+from fiv_cli.plots import labels, legends, style
 from fiv_cli.plots.drawn import DECORATION, LEFT_OUT
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import flag_names, is_class
@@ -603,7 +603,7 @@ STRIP = "0.92"  # colour of where marks stand that have no height
 
 def colours(axes: Sequence[Axes]) -> dict[str, ColorType]:
     """Legend entry -> colour, of the lines drawn so far."""
-    pairs = zip(*style.told_in(axes), strict=True)
+    pairs = zip(*legends.told_in(axes), strict=True)
     return {name: line.get_color() for line, name in pairs if isinstance(line, Line2D)}
 
 
@@ -745,24 +745,24 @@ def legend(axes: Sequence[Axes]) -> None:
     Of several panels it is below. None for a single line.
     """
     figure = axes[0].figure.figure
-    style.colour_keys(axes)
+    legends.colour_keys(axes)
     _unlist_unseen(axes)
-    handles, told = _thinned(*style.told_in(axes))
+    handles, told = _thinned(*legends.told_in(axes))
     names = [*map(style.worded, told)]
     beside, many = style.letters(figure), len(names) > MOST_ENTRIES_INSIDE
     narrow = beside < LEAST_LETTERS and len(names) > 2
     if narrow or (many and style.longest(names) > beside // 6) or (names and len(axes) > 1):
-        style.legend_below(figure, handles)
+        legends.legend_below(figure, handles)
     elif many:
         columns = 1 + (len(names) - 1) // MOST_ENTRIES_IN_COLUMN
-        style.even_keys(figure.legend(handles, names, loc="outside right center", ncols=columns))
+        legends.even_keys(figure.legend(handles, names, loc="outside right center", ncols=columns))
     elif names:
-        style.even_keys(axes[0].legend(handles, names))
+        legends.even_keys(axes[0].legend(handles, names))
 
 
 def _unlist_unseen(axes: Sequence[Axes]) -> None:
     """Leave out of the legend what is drawn beyond the limits of its panels alone."""
-    drawn = [(_words_of(label), seen) for ax in axes for label, seen in style.seen_in(ax)]
+    drawn = [(_words_of(label), seen) for ax in axes for label, seen in legends.seen_in(ax)]
     told = [zip(*ax.get_legend_handles_labels(), strict=True) for ax in axes]
     for handle, name in itertools.chain(*told):
         own = [seen for words, seen in drawn if _words_of(name) <= words]

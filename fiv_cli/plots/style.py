@@ -1,4 +1,4 @@
-"""Looks of every figure: palette, sizes, and files whose bytes depend on the data alone.
+"""Looks of every figure: palette, sizes, words and panels.
 
 The palette is Okabe and Ito's, told apart by people of every colour vision. A class has one
 colour in every figure.
@@ -6,19 +6,14 @@ colour in every figure.
 
 from __future__ import annotations
 
-import io
-import itertools
 import math
 import re
 import textwrap
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from functools import cache
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
@@ -26,26 +21,17 @@ from weakref import WeakKeyDictionary
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import Collection, LineCollection, PathCollection
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
-from matplotlib.lines import Line2D
-from matplotlib.mathtext import MathTextParser
-from matplotlib.text import Text
-from matplotlib.textpath import TextPath
-from matplotlib.ticker import AutoLocator, FuncFormatter, Locator
+from matplotlib.ticker import FuncFormatter, Locator
 
-from fiv_cli.errors import CrampedFigureError, StorageError, UsageError
-from fiv_cli.files import refuse_special, write_whole
-from fiv_cli.plots import drawn, labels
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import labels
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
-    from matplotlib.legend import Legend
-    from matplotlib.path import Path as Outline
     from matplotlib.typing import ColorType
 
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILLION, PURPLE = (
@@ -87,29 +73,14 @@ ROOMY = 60  # columns of dots across it that do not crowd
 DENSE = 2_000  # marks in a diagram
 # Beyond this a vector figure is slow to open: the marks become an image inside it.
 MANY_MARKS = 20_000
-LONGEST_TEXT = 600  # characters
 TITLE_LETTERS = 92  # in a figure of one panel on a screen
 MARKUP = re.compile(r"\\[A-Za-z]+|[{}$_^]")
 POINTS = 72.0  # an inch
-FEWEST_TICKS = 3  # steps between them, on an axis of any length
-TICK_LETTERS = 7  # that a tick and the gap beside it take
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
-KEY, STAR_KEY = 4.5, 8.0  # sizes of the marks in legends, pt
-# Where a legend is looked for a place in a panel, and the sides of the compass there.
-SIDES: dict[Any, Any] = {
-    "upper right": "NE", "upper left": "NW", "lower right": "SE", "lower left": "SW",
-    "center right": "E", "center left": "W", "upper center": "N", "lower center": "S",
-    "center": "C",
-}  # fmt: skip
-SAMPLE = "equilibrium 0.870 ± 0.015"
-NARROWER = 1.2  # letters of legends stand where one of a title does
-KEY_LETTERS = 7  # that the key of an entry of a legend takes
 ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
-IMMENSE = 1e250  # what matplotlib squares on its way must stay a number
 
 MM = 1.0 / 25.4  # inches
 LEAST_PANEL = 14.4  # upright, in heights of letters
-NARROW_PANEL = 6.0  # in heights of letters: less holds no more than two ticks
 NARROWEST, WIDEST = 20.0, 2000.0  # mm
 
 
@@ -216,14 +187,6 @@ SETTINGS: dict[Any, Any] = {
     # names of SVG elements are hashed with a fixed salt: the same data gives the same bytes
     "svg.hashsalt": "fiv",
 }
-
-# What each format would otherwise stamp with the time of writing.
-UNDATED = {
-    ".png": {"Software": "fiv"},
-    ".svg": {"Date": None, "Creator": "fiv"},
-    ".pdf": {"CreationDate": None, "ModDate": None, "Creator": "fiv", "Producer": "fiv"},
-}
-TABLE = ".csv"
 
 
 _GIVEN: ContextVar[Axes | None] = ContextVar("_GIVEN", default=None)
@@ -343,6 +306,23 @@ def notes_on(figure: Figure) -> list[str]:
     return _NOTES.get(figure, [])
 
 
+def look() -> Look:
+    """The look that figures are drawn in now."""
+    return _LOOK.get()
+
+
+def given() -> Axes | None:
+    """The panel that is drawn on, where a figure does not make its own."""
+    return _GIVEN.get()
+
+
+def keep_words(figure: Figure) -> None:
+    """Remember which words a figure has in place of others, and those without a place in it."""
+    _OWN_WORDS[figure] = dict(_BEFORE.get() or {})
+    wanted = [word for word, own in (_WORDS.get() or {}).items() if word != own]
+    _UNSAID[figure] = [word for word in wanted if word not in (_MET.get() or ())]
+
+
 def weight() -> float:
     """By which lines are thicker than on a screen."""
     return _LOOK.get().weight
@@ -378,171 +358,6 @@ def longest(words: Sequence[str]) -> int:
     return max(
         (len(MARKUP.sub("", line)) for word in words for line in word.split("\n")), default=0
     )
-
-
-def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
-    """A legend under the panels, in as many columns as there is room for."""
-    most = letters(figure) - KEY_LETTERS
-    words = [_folded(worded(str(one.get_label())), most) for one in handles]
-    heading = _folded(worded(title), most)
-    columns = columns_of(words, int(NARROWER * letters(figure)))
-    while words:
-        legend = figure.legend(
-            handles, words, loc="outside lower center", ncols=columns, title=heading or None
-        )
-        legend.get_title().set_multialignment("center")
-        even_keys(legend)
-        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
-            break
-        legend.remove()
-        columns = even_columns(len(words), columns - 1)
-    rows = [sum(1 + word.count("\n") for word in part) for part in _parted(words, columns)]
-    make_room(figure, len(heading.splitlines()) + max(rows, default=0))
-
-
-def columns_of(words: Sequence[str], room: int) -> int:
-    """How many columns of a legend stand side by side: each is as wide as its longest entry."""
-    for most in range(len(words), 1, -1):
-        columns = even_columns(len(words), most)
-        if sum(KEY_LETTERS + longest(part) for part in _parted(words, columns)) <= room:
-            return columns
-    return 1
-
-
-def even_columns(count: int, most: int) -> int:
-    """As few columns as make no more rows of a legend, which are about as long then."""
-    rows = -(-count // most)
-    return -(-count // rows)
-
-
-def _parted(words: Sequence[str], columns: int) -> list[list[str]]:
-    """Entries in columns, as a legend has them: one after another, the first no shorter."""
-    rows, longer = divmod(len(words), columns)
-    ends = np.cumsum([rows + (column < longer) for column in range(columns)]).tolist()
-    return [[*words[begin:end]] for begin, end in itertools.pairwise([0, *ends])]
-
-
-def even_keys(legend: Legend) -> None:
-    """Marks of one size, however small or large they are in the figure."""
-    for key in legend.legend_handles:
-        if isinstance(key, Line2D):
-            key.set_markersize(STAR_KEY if key.get_marker() == "*" else KEY)
-        elif isinstance(key, PathCollection):
-            key.set_sizes([(KEY * _LOOK.get().weight) ** 2])  # what is no line is not thickened
-
-
-def colour_keys(axes: Sequence[Axes]) -> None:
-    """Keys of legends that stand for what is drawn in one colour have this one, not black.
-
-    A key is a black line without points; what it stands for has its words at the end of a label,
-    and is of marks where the key is, of these. Where other keys tell what colours mean, those of
-    marks and dashes stay black.
-    """
-    drawn, listed = [*_coloured(axes)], told_in(axes)[0]
-    keys = [line for ax in axes for line in ax.lines if _is_key(line)]
-    if any(key in listed and key.get_linewidth() == COLOUR_ALONE["lw"] for key in keys):
-        return
-    for key in keys:
-        words = re.compile(f"_(.*, )?{re.escape(str(key.get_label()))}")
-        mark = key.get_marker() if key.get_linestyle() == "None" else None
-        colours = {
-            colour
-            for label, colour, own in drawn
-            if words.fullmatch(label) and (mark is None or mark == own)
-        }
-        if len(colours) == 1:
-            key.set_color(colours.pop())
-
-
-def _coloured(axes: Sequence[Axes]) -> Iterator[tuple[str, str, Any]]:
-    """Label, colour and mark of the lines that are drawn."""
-    for ax in axes:
-        for line in ax.lines:
-            if not _is_key(line):
-                yield str(line.get_label()), to_hex(line.get_color()), line.get_marker()
-        for lines in ax.collections:
-            if isinstance(lines, LineCollection):
-                yield str(lines.get_label()), to_hex(np.atleast_2d(lines.get_color())[0]), None
-
-
-def _is_key(line: Line2D) -> bool:
-    return not np.size(line.get_xdata())
-
-
-def seen_in(ax: Axes) -> Iterator[tuple[str, bool]]:
-    """Label of each line that has points, and whether any of it lies within its panel."""
-    ax.get_xlim(), ax.get_ylim()  # the panel has its scale when it is asked for
-    within = ax.bbox.padded(1.0)
-    for artist, path in _paths(ax):
-        if np.isfinite(path.vertices).all(axis=1).any():
-            crosses = _joins(artist) and path.intersects_bbox(within, filled=False)
-            yield str(artist.get_label()), crosses or within.count_contains(path.vertices) > 0
-
-
-def told_in(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
-    """What the legend of some panels tells, and its words: once what several of them show."""
-    told: dict[str, Artist] = {}
-    for ax in axes:
-        for handle, word in zip(*ax.get_legend_handles_labels(), strict=True):
-            told.setdefault(word, handle)
-    return list(told.values()), list(told)
-
-
-def clear_legends(figure: Figure, is_drawn: bool) -> bool:
-    """Put the legend of a panel where nothing is drawn or, where there is no such place, below.
-
-    Whether it is below now. Of a figure that `is_drawn` the panels lie where they will.
-    """
-    legends = [(ax, own) for ax in figure.axes if (own := ax.get_legend())]
-    if legends and not is_drawn:
-        figure.draw_without_rendering()  # panels and legends have their sizes then
-    hiding = [own for ax, own in legends if not _find_place(ax, own)]
-    for own in hiding:
-        own.remove()
-    if hiding:
-        legend_below(figure, told_in(figure.axes)[0])
-    return bool(hiding)
-
-
-def _find_place(ax: Axes, legend: Legend) -> bool:
-    """Put a legend at the first side of its panel where nothing is drawn; whether there is one."""
-    size = legend.get_window_extent()
-    letter = mpl.rcParams["legend.fontsize"] * ax.figure.dpi / POINTS
-    within = ax.bbox.padded(-legend.borderaxespad * letter)
-    outlines, marks = _outlines(ax), _marks(ax)
-    for place, side in SIDES.items():
-        taken = size.anchored(side, within).padded(0.5 * letter)
-        lines = any(outline.intersects_bbox(taken, filled=False) for outline in outlines)
-        if not lines and not taken.count_contains(marks):
-            legend.set_loc(place)
-            return True
-    return False
-
-
-def _outlines(ax: Axes) -> list[Outline]:
-    """The lines of a panel, in pixels."""
-    return [path for artist, path in _paths(ax) if _joins(artist)]
-
-
-def _paths(ax: Axes) -> Iterator[tuple[Line2D | Collection, Outline]]:
-    """Lines, marks and bundles of lines of a panel, with their points in pixels."""
-    for line in ax.lines:
-        yield line, line.get_transform().transform_path(line.get_path())
-    for lines in ax.collections:
-        for path in lines.get_paths():
-            yield lines, lines.get_transform().transform_path(path)
-
-
-def _joins(artist: Line2D | Collection) -> bool:
-    """Whether there is a line through the points of an artist."""
-    return not isinstance(artist, Line2D) or artist.get_linestyle() != "None"
-
-
-def _marks(ax: Axes) -> np.ndarray:
-    """The points of a panel and the corners of its words, in pixels, shape (n, 2)."""
-    places = [line.get_transform().transform(line.get_xydata()) for line in ax.lines]
-    written = [text.get_window_extent().corners() for text in ax.texts]
-    return np.concatenate([np.zeros((0, 2)), *places, *written])
 
 
 def make_room(figure: Figure, lines: int) -> None:
@@ -616,109 +431,7 @@ class TicksAbove(Locator):
         return self.own.nonsingular(v0, v1)
 
 
-def finish(figure: Figure) -> None:
-    """Give lines and marks the weight of the look, and axes words and ticks that have room."""
-    own = own_axes(figure)
-    words = [
-        (worded(title), worded(xlabel), worded(ylabel)) for title, xlabel, ylabel in _texts(figure)
-    ]
-    for text in itertools.chain.from_iterable(ax.texts for ax in own):
-        text.set_text(worded(text.get_text()))
-    tame_texts(figure)
-    if not _is_set(figure, words):
-        width, height = (side / MM for side in figure.get_size_inches())
-        message = f"its panels have no room in {width:.0f} by {height:.0f} mm"
-        raise CrampedFigureError(message, float(width))
-    thicken(figure)
-    for artist in itertools.chain.from_iterable([*ax.lines, *ax.collections] for ax in own):
-        name = str(artist.get_label()).removeprefix("_")  # which hides it from legends, not tables
-        artist.set_label(str(artist.get_label()).replace(name, worded(name)))
-    _OWN_WORDS[figure] = dict(_BEFORE.get() or {})
-    wanted = [word for word, own in (_WORDS.get() or {}).items() if word != own]
-    _UNSAID[figure] = [word for word in wanted if word not in (_MET.get() or ())]
-
-
-def _is_set(figure: Figure, words: Sequence[tuple[str, str, str]]) -> bool:
-    """Set title and labels of each panel, and legends; whether all have room."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("error", "constrained_layout not applied")
-        try:
-            added, is_drawn = _set_words(figure, words, 0)
-            if _GIVEN.get() is None and clear_legends(figure, is_drawn):
-                _set_words(figure, words, added)
-        except UserWarning:  # the words leave nothing for the panels
-            return False
-    return _GIVEN.get() is not None or _LOOK.get().width is None or _has_room(figure)
-
-
-def _has_room(figure: Figure) -> bool:
-    """Whether each panel is wide enough for two ticks."""
-    places = [ax.get_position() for ax in figure.axes if ax.get_subplotspec()]
-    least = NARROW_PANEL * _LOOK.get().size / POINTS
-    return all(place.width * figure.get_figwidth() >= least for place in places)
-
-
-def _set_words(
-    figure: Figure, words: Sequence[tuple[str, str, str]], added: int
-) -> tuple[int, bool]:
-    """Fit title and labels of each panel; how many lines they have more, of `added` before, and
-    whether panels lie as they did with these, but for what other ticks need."""
-    for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
-        figure.draw_without_rendering()  # panels have their places then
-        told = _texts(figure), added
-        lines = [_fit(ax, *own) for ax, own in zip(own_axes(figure), words, strict=True)]
-        added = max(lines)
-        make_room(figure, added - told[1])
-        if (_texts(figure), added) == told:
-            return added, True
-    return added, False
-
-
-def _texts(figure: Figure) -> list[tuple[str, str, str]]:
-    """Title and labels of each panel."""
-    return [(ax.get_title(), ax.get_xlabel(), ax.get_ylabel()) for ax in own_axes(figure)]
-
-
-def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
-    """Set words and ticks as there is room; lines that all panels above each other have more."""
-    beside, upright = _room(ax)
-    for axis in (ax.xaxis, ax.yaxis):
-        locator = axis.get_major_locator()
-        locator = locator.own if isinstance(locator, TicksAbove) else locator
-        if isinstance(locator, AutoLocator):
-            locator.set_params(min_n_ticks=FEWEST_TICKS)
-            if axis is ax.xaxis:
-                locator.set_params(nbins=max(FEWEST_TICKS, min(9, beside // TICK_LETTERS)))
-    above = "\n".join(_folded(one, beside) for one in title.splitlines())
-    below = _folded(xlabel, beside)
-    ax.set(title=above, xlabel=below, ylabel=_folded(ylabel, upright))
-    for label in (ax.xaxis.label, ax.yaxis.label):
-        label.set_linespacing(1.1)
-    return (above.count("\n") - title.count("\n") + below.count("\n")) * _rows(ax)
-
-
-def _rows(ax: Axes) -> int:
-    """How many panels stand one above the other; of what is beside panels none."""
-    place = ax.get_subplotspec()
-    return 0 if place is None else place.get_gridspec().nrows
-
-
-def _room(ax: Axes) -> tuple[int, int]:
-    """How many letters there is room for along the sides of a panel."""
-    figure, place = ax.figure.figure, ax.get_position()
-    letter = _letter(_LOOK.get().font) * mpl.rcParams["axes.titlesize"] / POINTS
-    sides = place.width * figure.get_figwidth(), place.height * figure.get_figheight()
-    return int(sides[0] / letter), int(sides[1] / letter)
-
-
-@cache
-def _letter(font: str) -> float:
-    """Width of a letter of a font, of the letters' size: a page holds more in a narrow one."""
-    path = TextPath((0.0, 0.0), SAMPLE, size=1.0, prop=FontProperties(family=font or None))
-    return float(path.get_extents().width) / len(SAMPLE)
-
-
-def _folded(words: str, most: int) -> str:
+def folded(words: str, most: int) -> str:
     """Words in lines of at most so many letters, no formula, number, error nor unit divided."""
     lines = [""]
     for word in re.findall(
@@ -730,17 +443,6 @@ def _folded(words: str, most: int) -> str:
         else:
             lines.append(word)
     return "\n".join(lines)
-
-
-def thicken(figure: Figure) -> None:
-    """Lines and marks of the weight of the look."""
-    weight = _LOOK.get().weight
-    drawn = (_GIVEN.get() or figure).findobj()
-    for line in [one for one in drawn if isinstance(one, Line2D) and weight != 1.0]:
-        line.set(lw=weight * line.get_linewidth(), ms=weight * line.get_markersize())
-        line.set_markeredgewidth(weight * line.get_markeredgewidth())
-    for lines in [one for one in drawn if isinstance(one, LineCollection) and weight != 1.0]:
-        lines.set_linewidth([weight * width for width in np.atleast_1d(lines.get_linewidth())])
 
 
 def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figure, list[Axes]]:
@@ -846,82 +548,3 @@ def line_colours(count: int) -> list[ColorType]:
 def dash(number: int, count: int) -> Any:
     """The dashes of one of `count` lines, which colours alone would not tell apart in grey."""
     return DASHES[number % len(DASHES)] if count <= len(LINES) else "-"
-
-
-def tame_texts(figure: Figure) -> None:
-    """Let every text of `figure` whose mathematics is broken be drawn letter by letter.
-
-    A title is the user's, a symbol the dataset's: neither may keep a figure from being drawn, nor
-    take minutes by its length.
-    """
-    for axes in figure.axes:
-        axes.get_xticklabels(), axes.get_yticklabels()  # the labels of ticks are made when asked
-    for text in figure.findobj(Text):
-        if len(text.get_text()) > LONGEST_TEXT:
-            text.set_text(f"{text.get_text()[:LONGEST_TEXT]} ...")
-        if not _is_sound(text.get_text()):
-            text.set_parse_math(False)
-
-
-def refuse_the_immense(figure: Figure, path: Path) -> None:
-    """Refuse axes so long that no ticks can be set on them.
-
-    Raises
-    ------
-    UsageError
-    """
-    for axes in figure.axes:
-        for low, high in (axes.get_xlim(), axes.get_ylim()):
-            if not abs(low) < IMMENSE > abs(high):
-                raise UsageError(
-                    f"{path}: it would reach from {low:g} to {high:g}, which cannot be drawn\n"
-                    "next: choose a part with `select`, `xlim` or `ylim` in the [[figure]]"
-                )
-
-
-@cache
-def _is_sound(words: str) -> bool:
-    """Whether matplotlib can set the mathematics in `words`, if there is any (line by line)."""
-    try:
-        for line in words.splitlines():
-            MathTextParser("path").parse(line)
-    except ValueError:
-        return False
-    return True
-
-
-def save(figure: Figure, path: str | Path, look: Look | None = None) -> None:
-    """Write `figure`, drawn in a look, as PNG, SVG or PDF, or as the numbers that it draws (CSV).
-
-    Raises
-    ------
-    UsageError : another suffix, or what is there is no regular file; a plane as CSV
-    StorageError : the file cannot be written
-    """
-    path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in UNDATED | {TABLE: {}}:
-        told = f"{path}: figures are written as {', '.join(UNDATED)}"
-        table = f", or, for the numbers that it draws, {path.stem or 'NAME'}{TABLE}"
-        raise UsageError(f"{told}\nuse -o {path.stem or 'NAME'}.png{table}")
-    refuse_special(path)
-    contents = (
-        drawn.as_csv(figure, path).encode() if suffix == TABLE else _image(figure, path, look)
-    )
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, contents, durable=False)
-    except OSError as error:
-        raise StorageError(
-            f"{path}: cannot be written ({error.strerror})\nchoose -o FIG"
-        ) from error
-
-
-def _image(figure: Figure, path: Path, look: Look | None) -> bytes:
-    """The bytes of an image of the format that `path` names."""
-    image, suffix = io.BytesIO(), path.suffix.lower()
-    with looks(look=look):
-        refuse_the_immense(figure, path)
-        tame_texts(figure)
-        figure.savefig(image, format=suffix[1:], metadata=UNDATED[suffix])
-    return image.getvalue()
