@@ -72,6 +72,13 @@ def test_a_motion_has_a_force_at_each_instant_though_an_equilibrium_has_but_one(
     make_plan(parse_case(shown + '[[analysis]]\nkind = "equilibrium"\n', "a.toml"))
 
 
+@pytest.mark.parametrize("kind", ["history", "spectrum"])
+def test_of_a_motion_a_state_is_a_variable_and_no_axis(kind: str) -> None:
+    found = problem(figure(f'kind = "{kind}"', 'select = { state = "x" }'))
+    assert found.path == "figure.0.select.state" and found.allowed == 'variable = "x"'
+    make_plan(parse_case(figure(f'kind = "{kind}"', found.allowed), "a.toml"))
+
+
 def of_two(text: str) -> str:
     return text.replace("belt-1dof", "belt-2mass")
 

@@ -1071,6 +1071,17 @@ def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
     assert r"unstable cycle: extremes of $\varphi$" in legend_texts(ax)
 
 
+def test_cycles_lie_over_a_diagram_whichever_start_of_it_is_selected():
+    both = cycles_along_the_grid().isel(initial=[0, 0])
+    both = both.assign_coords(initial=["near", "guess"])
+    known = both["initial"] == "guess"
+    both = both.assign({name: both[name].where(known) for name in ("phi_min", "phi_max")})
+    analyses = {"response": data.bifurcation(), "cycle": both}
+    (ax,) = draw(analyses, figure("bifurcation", select={"initial": "near"})).axes
+    low, high = (line[np.isfinite(line[:, 1])] for line in dashed(ax))
+    assert {*low[:, 1], *high[:, 1]} == {0.02, 0.09}
+
+
 def test_cycles_at_one_value_of_the_axis_are_marks():
     one = cycles_along_the_grid().isel(Omega=5)
     analyses = {"response": data.bifurcation(), "cycle": one}
@@ -1340,6 +1351,11 @@ def test_a_branch_beyond_the_grid_is_followed_to_what_happens_to_it_only():
     (ax,) = draw([("", response), ("branch", branch_along_the_speed())], figure("bifurcation")).axes
     low, high = ax.get_xlim()
     assert 1.0 < low < 1.5 and 5.0 < high < 5.5
+    (note,) = [one for one in style.notes_on(ax.figure) if "beyond the frame" in one]
+    (shown,) = re.findall(r"xlim = (\[.*\])", note)
+    both = [("", response), ("branch", branch_along_the_speed())]
+    (wide,) = draw(both, figure("bifurcation", xlim=json.loads(shown))).axes
+    assert wide.get_xlim()[0] <= 1.0 and "beyond" not in "".join(style.notes_on(wide.figure))
     from_zero = response.assign_coords(Omega=response["Omega"] - 1.5)
     along = [("", from_zero), ("branch", branch_along_the_speed())]
     (ax,) = draw(along, figure("bifurcation", log="x")).axes
@@ -2514,6 +2530,17 @@ def test_words_of_ones_own_are_in_tables_and_under_axes_of_names():
     assert [text.get_text() for text in ax.get_xticklabels()] == ["near", "away"]
 
 
+def test_a_level_is_called_as_a_table_spells_it():
+    level = {"L_s": 0.001}
+    words = {"L_s = 0.001 rad^2": "border of stick-slip", "L_s": "index"}
+    drawn = draw(data.stability_map(), figure("map", variable="attractor", level=level))
+    assert "$L_s$ = 0.001 rad$^{2}$" in legend_texts(drawn)
+    asked = figure("map", variable="attractor", level=level, words=words)
+    drawn = draw(data.stability_map(), asked)
+    assert "border of stick-slip" in legend_texts(drawn)
+    assert style.unsaid(drawn) == ["L_s"]  # which stands in no other entry
+
+
 def test_the_share_of_each_class_is_a_line():
     """They add up to one where each start has a class, and have the standard error of their own."""
     starts = [f"far-{n:03d}" for n in range(4)]
@@ -3082,6 +3109,20 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
         draw(pending, lines)
 
 
+def test_a_level_that_single_points_of_a_refined_map_pass_is_in_no_jump_to_rest():
+    """Motions beside rest stay below it, and beside those above none has a value."""
+    dataset = data.stability_map(initial=("reached",), nx=20, ny=20)
+    rests = is_class(dataset["attractor"], ("equilibrium",)).values
+    values = np.where(rests, 0.0, 1.0)
+    inside = np.argwhere(~rests[:, :, 0])
+    y, x = inside[len(inside) // 2]
+    values[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2] = np.nan
+    values[y, x] = 4.0
+    dataset["L_s"] = dataset["L_s"].copy(data=values)
+    (note,) = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.5, 2.0])))
+    assert note.startswith("no line $L_s$ = 2 rad$^{2}$: where it is passed no three neighbours")
+
+
 def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
     """And levels that have lines, but no room on these, are told by the legend: that is said."""
     dataset = data.stability_map(initial=("reached",), nx=20, ny=20)
@@ -3091,7 +3132,7 @@ def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
     asked = figure("map", variable="L_s", level=[0.30001, 0.60001])
     drawn = draw(dataset, asked)
     assert not [text for text in legend_texts(drawn) if "=" in text]
-    assert all("passed in one row of points alone" in note for note in style.notes_on(drawn))
+    assert all("as in one row of points alone" in note for note in style.notes_on(drawn))
     values[:, :, 0] = np.linspace(0.0, 1.0, 20)[:, None]
     dataset["L_s"] = dataset["L_s"].copy(data=values)
     assert style.notes_on(draw(dataset, asked)) == []
@@ -4168,6 +4209,9 @@ def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
     for asked in ({"contact": 2}, {"select": {"contact": 2}}):
         drawn = draw(dataset, figure(kind, variable="phi", **asked))
         assert drawn.legends[0].get_title().get_text() == "colours: contact 2"
+    both = draw(dataset, figure(kind, variable="phi", contact=[2, 1]))
+    told = [note for note in style.notes_on(both) if note.startswith("contact 1: where it sticks")]
+    assert len(told) == (kind == "history")
     first = draw(dataset.drop_vars("event_contact"), figure(kind, variable="phi"))
     assert first.legends[0].get_title().get_text() == "colours: contact 1"
     with pytest.raises(UsageError, match="contact = 3: there are 1, 2"):
@@ -4227,11 +4271,8 @@ def test_sticks_of_other_contacts_are_marked_where_no_panel_is_about_one(kind):
         told[asked] = [text.get_text() for text in legend.get_texts()]
     assert "contact 2 sticks" in told[None] and "contact 1 sticks" not in told[None]
     assert told[1, 2] == told[None]
-    if kind == "history":
-        assert not any("sticks" in word for word in told[1] + told[2])
-    else:  # of one contact in any case
-        assert told[1] == told[None]
-        assert "contact 1 sticks" in told[2] and "contact 2 sticks" not in told[2]
+    assert told[1] == told[None]
+    assert "contact 1 sticks" in told[2] and "contact 2 sticks" not in told[2]
     if kind == "phase":  # files of other numbers of contacts
         three = dataset.reindex(contact=[1, 2, 3]).assign(
             contact_state=states.isel(contact=[0, 1, 1]).assign_coords(contact=[1, 2, 3])
@@ -4544,6 +4585,10 @@ def test_of_whole_periods_a_spectrum_has_upright_lines_at_their_harmonics(period
     assert not log or ax.get_ylim()[0] == pytest.approx(1e-6 * top)
     (both,) = draw(found, figure("spectrum", variable=["phi", "theta"])).axes
     assert both.get_ylim()[1] == pytest.approx(1.05)
+    wide = figure("spectrum", variable=["phi", "theta"], xlim=[0.0, 200.0])
+    (note,) = style.notes_on(draw(found, wide, look=look_of("paper", width=84.0)))
+    assert note.startswith("lines of 2 spectra stand side by side, here up to 0.")
+    assert style.notes_on(both.figure) == []  # of 10 Hz
     for look in ("screen", "paper", "talk"):
         asked = figure("spectrum", variable=["phi", "theta"])
         (both,) = draw(found, asked, look=look_of(look)).axes

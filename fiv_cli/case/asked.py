@@ -5,12 +5,13 @@ A misspelt variable is told before anything is computed, not after.
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from typing import Any, get_args
 
 from fiv_cli.analyses import get_analysis
-from fiv_cli.analyses.catalogue import ALL_ASKED, computed_by, variables_of
+from fiv_cli.analyses.catalogue import ALL_ASKED, computed_by, own_dims, variables_of
 from fiv_cli.analyses.variables import COMPUTED, Variable, derived
 from fiv_cli.case.case import AnalysisSpec, Case, ClaimSpec, FigureSpec
 from fiv_cli.case.grammar import Bounds, OfClass, Reference, Trend, parse_condition
@@ -120,6 +121,8 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         _check_drawn(figure, name, known, places, (*place, key), report)
         if figure.kind in ("curve", "map") and "take" not in figure.settings:
             _refuse_motion(figure.kind, name, held, (*place, key), report)
+    if figure.kind in OF_MOTIONS:
+        _refuse_own_dims(figure, (*place, "select"), report)
     unsaid = [] if "take" in figure.settings else _mapped(figure, held, ())
     first = [SHOWN[figure.kind]] if figure.kind in SHOWN else unsaid
     drawn = next(iter((*sound, *names, *first, "status")))
@@ -284,6 +287,14 @@ def _check_of_which(names: Sequence[str], held: Held, place: Path, report: Repor
         report.add(
             (*place[:-1], "analysis"), message, listed(homes), f'analysis = "{homes[-1]}"{several}'
         )
+
+
+def _refuse_own_dims(figure: FigureSpec, place: Path, report: Report) -> None:
+    """Note what is selected of a motion that only other results have, such as a state."""
+    selected = figure.settings.get("select", {})
+    for dim in [one for one in own_dims() if one in selected and one != "contact"]:
+        shown = f"variable = {json.dumps(selected[dim])}" if dim == "state" else ""
+        report.add((*place, dim), f"a motion has no axis {dim!r}", shown)
 
 
 def _check_phase(

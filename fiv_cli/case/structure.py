@@ -455,7 +455,8 @@ class FigureTable(Table):
     contact: Contacts | None = Field(
         default=None,
         description="contact to draw, from 1, or of a history several, [1, 2]; default: all that "
-        "have a value; phase: the contact that colours are about (sticks of others are bands)",
+        "have a value; phase, and a history's panels of states: the (first) contact that colours "
+        "are about (sticks of others are bands)",
     )
     window: Interval | None = Field(default=None, description="stretch of time to draw, s")
     overlay: bool = Field(
@@ -481,7 +482,8 @@ class FigureTable(Table):
     words: dict[Annotated[str, StringConstraints(min_length=1)], str] = Field(
         default={},
         description="what stands in the legend and at axes, or the variable that does -> what to "
-        'write in its place: { "contact 1" = "lower belt", "equilibrium" = "steady sliding" }',
+        'write in its place: { "contact 1" = "lower belt", "equilibrium" = "steady sliding", '
+        '"L_s = 0.001 m^2" = "border" }',
     )
     unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit: Hz or rad/s")
     resolution: Quantity | None = Field(

@@ -83,18 +83,20 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     mark_clouds(ax, clouds, axis.size, figure.get_figwidth(), settings)
     marks = ax.lines[before:]
     along = [one for one in others if branch.is_along(one, str(axis.name), observed)]
-    settings = _as_the_grid(settings, axis, along)
+    framed = _as_the_grid(settings, axis, along)
     unmet = _draw_all_cycles(ax, shown, others, axis, name)
     _draw_all_equilibria(ax, shown, equilibria, others, axis, observed)
     words = _section_words(shown) if any(cloud.y.size for cloud in clouds) else "rest"
     ax.set_ylabel(labels.axis_label(first[name]).replace("the section", words))
-    others_at = _mark_other_sections(ax, [layer.dataset for layer in shown], settings)
+    others_at = _mark_other_sections(ax, [layer.dataset for layer in shown], framed)
     sorts = [cloud.family or cloud.label for cloud in clouds]
     notes = [*_of_other_sections(others_at, axis, observed), *points.of_many_lines(sorts)]
     style.add_notes(figure, [*notes, *[UNMET.format(observed)] * unmet])
     if not clouds[0].label:
         _name_marks(ax, marks, first)
-    points.dress([ax], shown, [settings])
+    points.dress([ax], shown, [framed])
+    if "xlim" not in settings:
+        style.add_notes(figure, [*_beyond(ax, along)])
     return figure
 
 
@@ -228,6 +230,18 @@ def _as_the_grid(
         return {**settings, "xlim": (low / margin, high * margin)}
     margin = BEYOND * (high - low)
     return {**settings, "xlim": (low - margin, high + margin)}
+
+
+def _beyond(ax: Axes, branches: Sequence[xr.Dataset]) -> Iterator[str]:
+    """What to do where branches lead on beyond the frame."""
+    reached = np.concatenate([np.zeros(0), *(one[branch.ALONG].values for one in branches)])
+    (low, high), ends = sorted(ax.get_xlim()), reached[np.isfinite(reached)]
+    if ends.size and (ends.min() < low or high < ends.max()):
+        least, most = min(low, ends.min()), max(high, ends.max())
+        yield (
+            f"a branch leads on from {ends.min():.6g} to {ends.max():.6g}, beyond the frame; "
+            f"xlim = [{least:.4g}, {most:.4g}] in the figure shows it all"
+        )
 
 
 def _refuse_of_none(layers: Sequence[points.Layer], shown: Sequence[points.Layer]) -> None:

@@ -415,7 +415,7 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     dataset = max(having, key=lambda d: _holds(d, figure), default=named[0])
     selection = figure.settings.get("select", {})
     others = [*(d for d in analyses.values() if d is not dataset), *lent(_lined(figure))]
-    beside = tuple(_selected(d, selection) for d in others)
+    beside = tuple(_selected(d, _selection_of(d, figure)) for d in others)
     narrowed = select.subset if kind.suits(dataset) else _selected
     of_lines = _axes_of_lines(figure, dataset, beside) - {*select.axis_names(dataset)}
     results = {name: selection[name] for name in selection if name in dataset.data_vars}
@@ -506,6 +506,16 @@ def _selected(dataset: xr.Dataset, selection: Mapping[str, Any]) -> xr.Dataset:
         return select.subset(dataset, own)
     except select.SelectionError:  # it has other starts
         return dataset
+
+
+def _selection_of(dataset: xr.Dataset, figure: FigureSpec) -> Mapping[str, Any]:
+    """What a figure selects of another analysis: of the cycles that lie over a diagram all starts.
+
+    From which a cycle was found tells nothing of it.
+    """
+    selection: Mapping[str, Any] = figure.settings.get("select", {})
+    over = figure.kind == "bifurcation" and "cycle_period" in dataset
+    return {name: selection[name] for name in selection if name != "initial" or not over}
 
 
 def _holds(dataset: xr.Dataset, figure: FigureSpec) -> bool:

@@ -53,6 +53,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     what = "range of samples" if all(map(_is_dense, motions)) else "samples"
     told = [*others, *motion.ends(motions), *motion.sampled(motions, names, what)]
     _legend(figure, axes, motion.states_present(motions, *every), told, contact)
+    style.add_notes(figure, [*motion.without_colours(dataset, settings, every)])
     return figure
 
 

@@ -21,7 +21,10 @@ LEAP = 3.0  # times the step after it
 ISLAND, MANY_ISLANDS = 3, 4  # points of the grid; islands of which a line has no few
 NOT_KNOWN = "not known"
 NO_CELLS = np.empty((0, 4))
-IN_A_ROW = "passed in one row of points alone (a line leads between two)"
+ALONE = (
+    "where it is passed no three neighbours have a value, as in one row of points alone, or beside "
+    "points of a refined map that were not run"
+)
 IN_A_JUMP = (
     "it lies in the jump between rest and motion, where of several levels that next to rest alone "
     "has a line"
@@ -270,7 +273,9 @@ def _ends_beside_rows(values: np.ndarray, unsure: np.ndarray, level: float) -> i
 def beside(plane: np.ndarray, level: float) -> str:
     """On which side of the level a plane lies, or its parts; nothing where a line leads through."""
     sides = {side(part, level) for part in plane} - {NOT_KNOWN}
-    return "" if "" in sides else IN_A_JUMP if len(sides) > 1 else "".join(sides) or NOT_KNOWN
+    if sides & {"", ALONE}:
+        return "" if "" in sides else ALONE
+    return IN_A_JUMP if len(sides) > 1 else "".join(sides) or NOT_KNOWN
 
 
 def side(part: np.ndarray, level: float) -> str:
@@ -282,7 +287,7 @@ def side(part: np.ndarray, level: float) -> str:
         return "below everywhere"
     if known.min() >= level:
         return "above everywhere"
-    return "" if _is_passed(part, level) else IN_A_ROW
+    return "" if _is_passed(part, level) else ALONE
 
 
 def _is_passed(part: np.ndarray, level: float) -> bool:

@@ -282,9 +282,13 @@ def of_all_contacts(dataset: xr.Dataset, settings: points.Settings) -> points.Se
 def of_each_contact(
     dataset: xr.Dataset, name: str, settings: points.Settings
 ) -> list[points.Settings]:
-    """The settings under which a variable is drawn: those of each contact where it has several."""
+    """The settings under which a variable is drawn: those of each contact where it has several.
+
+    What is of none has the colours of the first that is asked for, and the sticks of all others.
+    """
     if "contact" not in dataset[name].dims:
-        return [settings]
+        one = np.size(settings.get("contact", [])) == 1
+        return [of_all_contacts(dataset, settings) if one else settings]
     numbers = settings.get("contact", dataset[name]["contact"].values.tolist())
     return [{**settings, "contact": number} for number in np.atleast_1d(numbers).tolist()]
 
@@ -364,6 +368,19 @@ def others_sticking(every: Sequence[Motion], *settings: points.Settings) -> list
 def sticking(contact: int) -> str:
     """What sticks of a contact are called."""
     return f"contact {contact} sticks"
+
+
+def without_colours(
+    dataset: xr.Dataset, asked: points.Settings, shown: Sequence[points.Settings]
+) -> Iterator[str]:
+    """What to do about contacts that are asked for, and whose slip no panel shows."""
+    coloured = {_contact(dataset["contact_state"], own) for own in shown}
+    for contact in np.atleast_1d(asked.get("contact", [])).tolist():
+        if contact not in coloured:
+            yield (
+                f"contact {contact}: where it sticks is marked, and no panel has the colours of "
+                'its slip; a variable that contacts have, such as "F_T", has a panel for each'
+            )
 
 
 def named_contact(dataset: xr.Dataset, *settings: points.Settings) -> str:

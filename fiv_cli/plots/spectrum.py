@@ -7,7 +7,7 @@ transform of its samples.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -43,6 +43,9 @@ LOG_DECADES, LINEAR_DECADES = 6.0, 2.0  # of amplitude on an axis of them, and o
 NO_JUMPS = np.zeros(0), np.zeros(0)
 UPRIGHT = 0.8  # pt
 ASIDE, MOST_ASIDE = 1.5, 8.0  # widths from one line of a frequency to the next, and of all
+ACROSS = 0.8  # of the width of a figure: what a panel has
+TALL = 1e-2  # of the greatest amplitude
+SEEN = 0.1  # share of a frequency by which a line that stands beside it is seen to
 FEW = 3  # spectra that are lines, though a parameter varies
 DECADES = 3.0  # of amplitude in a colour scale; what is less has its lowest colour
 
@@ -156,9 +159,9 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     ax.set_xlim(0.0, dataset["frequency"].values[-1] * factor_of(settings))
     points.scale(ax, settings)  # before the lines are drawn: the foot of an upright is no value
     written: Annotation | None = None
+    spectra = [_shape(dataset.isel(line.index), settings) for line in lines]
     for number, (line, colour) in enumerate(zip(lines, colours, strict=True)):
-        frequency, height = _shape(dataset.isel(line.index))
-        x = frequency * factor_of(settings)
+        x, height = spectra[number]
         place, words = _fundamental(dataset.isel(line.index), (x, height), settings)
         label = points.joined(line.label, words) if len(lines) > 1 else line.label
         _plot_among(ax, x, height, number, len(lines), color=colour, label=label)
@@ -174,6 +177,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     ax.set_xlabel(frequency_label(settings))
     ax.set_ylabel(labels.axis_label(dataset[STEADY]))
     points.legend([ax])
+    style.add_notes(figure, [*_moved(ax, spectra)])
     if written and "ylim" not in settings:
         _make_room_for(ax, written)
     return figure
@@ -202,7 +206,7 @@ def _fundamental(
     return 0, ""
 
 
-def _shape(motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+def _shape(motion: xr.Dataset, settings: points.Settings) -> tuple[np.ndarray, np.ndarray]:
     """The line of one spectrum: upright at each harmonic of a period, else through all intervals.
 
     Amplitudes are kept for intervals of frequency; where a period tells each apart, a harmonic
@@ -211,9 +215,9 @@ def _shape(motion: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     frequency, height = motion["frequency"].values, motion[STEADY].values
     basic = 1.0 / motion["period"].item() if "period" in motion else np.nan
     if not basic >= frequency[1] - frequency[0]:
-        return frequency, height
+        return frequency * factor_of(settings), height
     kept = np.flatnonzero(height > 0.0)
-    harmonics = np.round(frequency[kept] / basic) * basic
+    harmonics = np.round(frequency[kept] / basic) * basic * factor_of(settings)
     return upright(harmonics, height[kept])
 
 
@@ -227,10 +231,31 @@ def _plot_among(
     if is_upright:
         leave_out(line, np.column_stack([x, 0.0 * x]))  # their feet
         # they are moved when the panel has its limits, which are those of values
-        step = min(ASIDE, MOST_ASIDE / count) * UPRIGHT * style.weight() / style.POINTS
-        aside = (number - 0.5 * (count - 1)) * step
+        aside = (number - 0.5 * (count - 1)) * _step(count)
         scale = ax.figure.dpi_scale_trans
         line.set_transform(ax.transData + ScaledTranslation(aside, 0.0, scale))
+
+
+def _step(count: int) -> float:
+    """How far, in inches, upright lines of so many spectra stand beside one another."""
+    return min(ASIDE, MOST_ASIDE / count) * UPRIGHT * style.weight() / style.POINTS
+
+
+def _moved(ax: Axes, spectra: Sequence[tuple[np.ndarray, np.ndarray]]) -> Iterator[str]:
+    """What to do where lines stand beside their frequency by a good part of the first of these."""
+    count = len(spectra)
+    uprights = [(x, y) for x, y in spectra if np.isnan(y).any() and (y > 0.0).any()]
+    if count < 2 or not uprights or ax.get_xscale() == "log":
+        return
+    first = min(x[y > TALL * np.nanmax(y)].min(initial=np.inf) for x, y in uprights)
+    low, high = ax.get_xlim()
+    wide = (high - low) / (ACROSS * ax.figure.figure.get_figwidth())
+    off = 0.5 * (count - 1) * _step(count) * wide
+    if off > SEEN * first:
+        yield (
+            f"lines of {count} spectra stand side by side, here up to {off:.1g} beside their "
+            "frequency; where they are: a narrower xlim, or one alone (variable, select)"
+        )
 
 
 def upright(frequency: np.ndarray, height: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -270,6 +295,7 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         "amplitude" + (f" of {motion.label_of(dataset[names[0]], settings)}" * (len(names) == 1))
     )
     points.legend([ax])
+    style.add_notes(figure, [*_moved(ax, spectra)])
     return figure
 
 

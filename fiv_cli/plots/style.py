@@ -27,7 +27,7 @@ from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.ticker import FuncFormatter, Locator
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import labels
+from fiv_cli.plots import drawn, labels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -261,7 +261,7 @@ def worded(text: str) -> str:
     """A text in the words that the figure has in place of others, which are no part of formulas.
 
     They are matched as they are written, or as a figure shows them: ``of v`` is ``of $v$``, and
-    ``contact 1`` may be ``contact = 1``.
+    ``contact 1`` may be ``contact = 1``. All of a text may be as tables have it: ``L_s = 1 m^2``.
     """
     own, met = _WORDS.get(), _MET.get()
     if not own or met is None:
@@ -274,6 +274,8 @@ def worded(text: str) -> str:
             *_CALLED.get().get(word, ()),
         )
     }
+    if (plain := drawn.in_one_line(text)) in own:
+        spelt[text] = plain
     longest = "|".join(map(_matched, sorted(spelt, key=len, reverse=True)))
     known = rf"(?<!\w)(?:{longest})(?!\w|\.\d)|\$[^$]*\$"
     met.update(spelt[one] for one in re.findall(known, text) if one in spelt)
