@@ -44,4 +44,5 @@ DRIVER = Compiled("driver", SIGNATURE, FILES, _declare)
 
 def load_driver(announce: Callable[[str], None]) -> None:
     """Have the driver at hand; `announce` is called with a sentence if it must be compiled."""
-    DRIVER.load(announce, "compiling the integrator (once per user, up to half a minute on a free core)")
+    told = "compiling the integrator (once per user, up to half a minute on a free core)"
+    DRIVER.load(announce, told)
