@@ -1254,6 +1254,8 @@ def test_lines_of_equilibria_meet_where_growth_rates_are_zero_without_a_critical
     told = {str(one.get_label()): one.get_xdata().tolist() for one in ax.lines
             if one.get_marker() == "|" and len(one.get_xdata())}  # fmt: skip
     assert told["_one, read between points, equilibrium turns unstable"] == pytest.approx([2.93])
+    rows = as_csv(draw(analyses, figure("bifurcation")), Path("a.csv"))
+    assert "2.93" not in rows  # a line leads there, and nothing was computed
     assert "equilibrium turns unstable" in legend_texts(ax)
 
 

@@ -16,7 +16,7 @@ from fiv_cli.plots import draw
 from fiv_cli.plots.style import look_of, notes_on
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
-from fiv_cli.reading.take import taken
+from fiv_cli.reading.take import taken, told_by_class, without_value
 
 SPEEDS = np.array([1.0, 2.0, 3.0])
 PHASES = np.array([0.0, 1.0, 2.0, 3.0])
@@ -274,9 +274,10 @@ def test_what_is_taken_along_time(variable, what, of, expected):
 
 
 @pytest.mark.parametrize(
-    ("what", "found"), [("spread", [0.2, np.nan, np.nan]), ("difference", [0.1, np.nan, np.nan])]
+    ("what", "found", "lost"),
+    [("spread", [0.2, np.nan, np.nan], 5), ("difference", [0.1, np.nan, np.nan], 3)],
 )
-def test_one_value_alone_is_no_agreement_and_a_figure_says_why_there_is_none(what, found):
+def test_one_value_alone_is_no_agreement_and_a_figure_says_why_there_is_none(what, found, lost):
     """Over the last three phases all are known, then one, then none."""
     classes = CLASSES.astype(object)
     classes[1, 2:] = classes[2] = "contact_lost"
@@ -291,10 +292,33 @@ def test_one_value_alone_is_no_agreement_and_a_figure_says_why_there_is_none(wha
             dataset, FigureSpec("c", "curve", settings), look=look_of("screen", titled=titled)
         )
         (ax,) = drawn.axes
-        (lost,) = [line for line in ax.lines if line.get_label() == "contact lost"]
-        assert lost.get_xdata().tolist() == [2.0, 3.0]
-        told = "5 without stick_fraction (contact_lost 5) are left out"
+        (mark,) = [line for line in ax.lines if line.get_label() == "contact lost"]
+        assert mark.get_xdata().tolist() == [2.0, 3.0]
+        told = f"{lost} without stick_fraction (contact_lost {lost}) are left out"
         assert (told in drawn.get_suptitle(), told in notes_on(drawn)) == (titled, not titled)
+
+
+def test_of_a_difference_the_ends_of_the_axis_alone_count():
+    classes, take = CLASSES.astype(object), {"what": "difference", "over": ["psi_a"]}
+    classes[:, 1:3] = "undecided"
+    part = plane(classes)
+    np.testing.assert_allclose(taken(part, "stick_fraction", take)["difference"], [0.1, 0.0, 0.2])
+    assert without_value(part.where(part["psi_a"] != 1.0), "stick_fraction", take) == ""
+    with pytest.raises(select.SelectionError, match="psi_a: one value alone"):
+        taken(part.isel(psi_a=[0]), "stick_fraction", take)
+
+
+def test_what_is_counted_over_motions_without_a_value_is_an_answer():
+    """The first of which something holds is nowhere, whatever the others are."""
+    classes = CLASSES.astype(object)
+    classes[2, 3] = "contact_lost"
+    part = plane(classes)
+    known = part["stick_fraction"].where(classes != "contact_lost")
+    part = part.assign(stick_fraction=known)
+    take = {"what": "first", "over": ["psi_a"], "of": ". > 0.9"}
+    found = taken(part, "stick_fraction", take)
+    assert found["first"].isnull().all()
+    assert told_by_class(found, part, "stick_fraction", take) is found
 
 
 def test_the_frequency_at_which_a_spectrum_is_largest_at_each_instant():

@@ -28,6 +28,7 @@ from fiv_cli.notation.units import parse_unit
 
 # Kinds of figures of what `fiv history` computes of a point, too.
 OF_MOTIONS = ("history", "phase", "spectrum", "spectrogram")
+OF_A_MOTION = ("time", "contact", "point")  # dims that it has
 
 # Kinds of figures of one variable: the group of ragged variables that it belongs to, "" for none.
 RAGGED = {"curve": "", "map": "", "bifurcation": "section"}
@@ -69,8 +70,13 @@ def drawn_of_motions(case: Case) -> list[str]:
     held = (_variables(case, spec, True) or () for spec in case.analyses)
     if any(variable.name == "contact_state" for variables in held for variable in variables):
         return []
+    return [one.name for one in case.figures if _is_of_a_motion(one, case)]
+
+
+def _is_of_a_motion(figure: FigureSpec, case: Case) -> bool:
+    """Whether a figure shows a motion, and no spectrum that an analysis of the case computes."""
     steady = {spec.kind for spec in case.analyses} & {"spectrum", "spectrogram"}
-    return [one.name for one in case.figures if one.kind in OF_MOTIONS and one.kind not in steady]
+    return figure.kind in OF_MOTIONS and figure.kind not in steady
 
 
 def numbers_of_refined(case: Case) -> list[tuple[str, str]]:
@@ -121,7 +127,7 @@ def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, repor
         _check_drawn(figure, name, known, places, (*place, key), report)
         if figure.kind in ("curve", "map") and "take" not in figure.settings:
             _refuse_motion(figure.kind, name, held, (*place, key), report)
-    if figure.kind in OF_MOTIONS:
+    if _is_of_a_motion(figure, case):
         _refuse_own_dims(figure, (*place, "select"), report)
     unsaid = [] if "take" in figure.settings else _mapped(figure, held, ())
     first = [SHOWN[figure.kind]] if figure.kind in SHOWN else unsaid
@@ -292,7 +298,7 @@ def _check_of_which(names: Sequence[str], held: Held, place: Path, report: Repor
 def _refuse_own_dims(figure: FigureSpec, place: Path, report: Report) -> None:
     """Note what is selected of a motion that only other results have, such as a state."""
     selected = figure.settings.get("select", {})
-    for dim in [one for one in own_dims() if one in selected and one != "contact"]:
+    for dim in [one for one in own_dims() if one in selected and one not in OF_A_MOTION]:
         shown = f"variable = {json.dumps(selected[dim])}" if dim == "state" else ""
         report.add((*place, dim), f"a motion has no axis {dim!r}", shown)
 

@@ -483,7 +483,7 @@ class FigureTable(Table):
         default={},
         description="what stands in the legend and at axes, or the variable that does -> what to "
         'write in its place: { "contact 1" = "lower belt", "equilibrium" = "steady sliding", '
-        '"L_s = 0.001 m^2" = "border" }',
+        '"L_s = 0.001 m^2" = "border" }, this a whole entry, as tables spell it',
     )
     unit: Literal["Hz", "rad/s"] | None = Field(default=None, description="unit: Hz or rad/s")
     resolution: Quantity | None = Field(

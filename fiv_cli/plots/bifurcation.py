@@ -2,13 +2,14 @@
 
 Where a motion rests it is drawn at its value. What no motion comes to, as all that is unstable,
 other analyses of the case know: equilibria an `eigenvalues` analysis, cycles a `cycle` analysis, or
-the dataset of a branch that is drawn with it; where equilibria turn stable a `critical` one.
+the dataset of a branch that is drawn with it; where equilibria turn stable a `critical` one, else
+it is read between the points of the grid.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -235,13 +236,21 @@ def _as_the_grid(
 def _beyond(ax: Axes, branches: Sequence[xr.Dataset]) -> Iterator[str]:
     """What to do where branches lead on beyond the frame."""
     reached = np.concatenate([np.zeros(0), *(one[branch.ALONG].values for one in branches)])
-    (low, high), ends = sorted(ax.get_xlim()), reached[np.isfinite(reached)]
+    (low, high), least = sorted(ax.get_xlim()), 0.0 if ax.get_xscale() == "log" else -np.inf
+    ends = reached[np.isfinite(reached) & (reached > least)]
     if ends.size and (ends.min() < low or high < ends.max()):
-        least, most = min(low, ends.min()), max(high, ends.max())
+        first, last = min(low, ends.min()), max(high, ends.max())
         yield (
             f"a branch leads on from {ends.min():.6g} to {ends.max():.6g}, beyond the frame; "
-            f"xlim = [{least:.4g}, {most:.4g}] in the figure shows it all"
+            f"xlim = [{_outward(first, np.floor):.6g}, {_outward(last, np.ceil):.6g}] in the "
+            "figure shows it all"
         )
+
+
+def _outward(value: float, to: Callable[[float], float]) -> float:
+    """A limit in few digits that is no further inside."""
+    digit = 10.0 ** (np.floor(np.log10(abs(value) or 1.0)) - 2.0)
+    return float(to(value / digit) * digit)
 
 
 def _refuse_of_none(layers: Sequence[points.Layer], shown: Sequence[points.Layer]) -> None:

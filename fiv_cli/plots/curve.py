@@ -34,10 +34,7 @@ from fiv_cli.plots.curve_lines import (
 )
 from fiv_cli.plots.curve_panel import draw_panel, has_marks, is_of_classes
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import (
-    flag_names,
-    headlines,
-)
+from fiv_cli.reading.datasets import flag_names, headlines
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -80,11 +80,11 @@ def equilibria(layer: points.Layer, axis: xr.DataArray, births: np.ndarray) -> I
             )
             if np.isfinite(y).any():
                 growth = judged["growth_rate"].isel(line.index).values
-                at, y, _ = up_to_turns(births, x, every, y, growth)
+                at, y, turns, _ = up_to_turns(births, x, every, y, growth)
                 what = at, y, np.zeros(at.size, bool), (y, y), np.zeros(at.size)
                 look: dict[str, Any] = {"dash": dash, "mark": {"marker": "None"}}
                 words = {DATASET: layer.label, **line.words}
-                yield Curve(words, *what, **look, sort=f"{word} equilibrium")
+                yield Curve(words, *what, **look, sort=f"{word} equilibrium", between=turns)
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,8 @@ class Curve:
     gaps. No error reaches beyond the `limits`, such as 0 and 1 of a share. `names` are the labels
     of all for which it stands. Of a part of a line the `way` leads to its points, too. Pieces of
     no more than `short` points have marks by all means. `apart` are neighbours with crossings both,
-    between which no line leads.
+    between which no line leads. Of its points those `between` two of the grid, shape (n, 2), were
+    not computed.
     """
 
     words: Mapping[str, str]
@@ -117,6 +118,7 @@ class Curve:
     way: np.ndarray = field(default_factory=lambda: np.zeros(0))
     short: int = 1
     apart: tuple[tuple[float, float], ...] = ()
+    between: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
 
     @property
     def is_branch(self) -> bool:

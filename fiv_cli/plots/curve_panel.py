@@ -12,17 +12,14 @@ import numpy as np
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import branch, labels, points, smooth, style
 from fiv_cli.plots.curve_lines import DATASET, DOT, UPON, Curve
-from fiv_cli.plots.drawn import DECORATION
-from fiv_cli.reading.datasets import (
-    flag_names,
-)
+from fiv_cli.plots.drawn import DECORATION, leave_out
+from fiv_cli.reading.datasets import flag_names
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
 CLASS_SHIFT = 0.06
-ACROSS = 0.8  # of the width of a figure: what a panel has
 HOLLOW: dict[str, Any] = {"marker": "o", "ms": 3, "mfc": "none", "mew": 0.6, "ls": "none"}
 FRAMED = "several, one upon another"
 FRAME: dict[str, Any] = {"marker": "s", "ms": 7, "mfc": "none", "mew": 1.2, "ls": "none"}
@@ -213,7 +210,8 @@ def _plot(
     if curve.is_branch and not apart:
         smooth.draw(ax, x, cut, label, ls=dash, **look)
     else:
-        ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
+        (line,) = ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
+        leave_out(line, curve.between)
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
     _plot_unsure(ax, curve, shift, entry)
@@ -253,7 +251,10 @@ def _marked_where_seen(ax: Axes, heights: np.ndarray, most: int, short: int = 1)
 
     `most` are the points of the longest of the lines that look alike.
     """
-    known, room = np.isfinite(heights), ACROSS * ax.figure.figure.get_figwidth() * style.POINTS
+    known, room = (
+        np.isfinite(heights),
+        style.ACROSS * ax.figure.figure.get_figwidth() * style.POINTS,
+    )
     if max(most, np.count_nonzero(known)) * DOT["ms"] < room:
         return {}
     alone = np.flatnonzero(points.alone(known, short)).tolist()

@@ -226,7 +226,8 @@ def draw_equilibria(
     changes: np.ndarray,
     axis: xr.DataArray,
 ) -> tuple[list[Line2D], bool]:
-    """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`.
+    """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`
+    or, where none is known, where growth rates are zero.
 
     Those of several diagrams, or at several values of other axes, have the colours of these.
     Returned are marks where they turn unstable, not drawn yet, and whether some are one line.
@@ -247,15 +248,16 @@ def draw_equilibria(
             if np.isfinite(own).any()
         ]
         called = f"{word} equilibrium"
-        for label, places, values, met in drawn:
+        for label, places, values, met, known in drawn:
             own = points.unlisted(label, called) if colours else called
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
-            leave_out(line, met.T)
+            leave_out(line, met)
             shares |= _blacken_shared(ax, line)
-            told = points.unlisted(label, BETWEEN * (not changes.size), TURNS_HERE)
-            turns += [Line2D(*met, color=line.get_color(), label=told)] * (word == "unstable")
+            for part, how in ((known, ""), (~known, BETWEEN)) if word == "unstable" else ():
+                told = points.unlisted(label, how, TURNS_HERE)
+                turns.append(Line2D(*met[part].T, color=line.get_color(), label=told))
         if colours and drawn and called not in known_words:
             ax.plot([], [], dashes, lw=weight, color=style.BLACK, label=called)
     return turns, shares

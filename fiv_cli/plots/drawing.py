@@ -255,8 +255,9 @@ def _drawn(
         for ax in style.own_axes(drawn) if settings.keys() & {"xlim", "ylim"} else ():
             points.show_on_the_frame(ax)
         fitting.finish(drawn)
-        without = [one.dataset.attrs.get("without", "") for one in layers]  # a title tells it
-        untold = [] if style.has_titles() else dict.fromkeys(filter(None, without))
+        without = [one.dataset.attrs.get("without", "") for one in layers]
+        told = {"", *without[:1]} if style.has_titles() else {""}  # a title tells that of the first
+        untold = dict.fromkeys(word for word in without if word not in told)
         style.add_notes(drawn, [*changed(_lined(figure)), *untold])
         return drawn
 
@@ -413,10 +414,11 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     having = (d for d in named if all(name in d for name in first) and kind.suits(d))
     # a dataset that no figure of the kind suits is drawn anyway: the kind says what it lacks
     dataset = max(having, key=lambda d: _holds(d, figure), default=named[0])
-    selection = figure.settings.get("select", {})
+    is_drawn = kind.suits(dataset)
+    selection = figure.settings.get("select", {}) if is_drawn else _selection_of(dataset, figure)
     others = [*(d for d in analyses.values() if d is not dataset), *lent(_lined(figure))]
     beside = tuple(_selected(d, _selection_of(d, figure)) for d in others)
-    narrowed = select.subset if kind.suits(dataset) else _selected
+    narrowed = select.subset if is_drawn else _selected
     of_lines = _axes_of_lines(figure, dataset, beside) - {*select.axis_names(dataset)}
     results = {name: selection[name] for name in selection if name in dataset.data_vars}
     own = {axis: selection[axis] for axis in selection if axis not in {*of_lines, *results}}

@@ -161,7 +161,7 @@ def _pieces_of_line(line: Line2D, ax: Axes) -> list[np.ndarray]:
     """The points of a line between its gaps, or all its marks; a height off the axis is NaN."""
     points = np.array(line.get_xydata(), float)
     transform = line.get_transform()  # that of data, perhaps shifted, or one for each direction
-    apart = isinstance(transform, BlendedGenericTransform)
+    apart = transform == ax.transAxes or isinstance(transform, BlendedGenericTransform)
     if apart and not transform.contains_branch_seperately(ax.transData)[1]:
         pieces = [np.unique(points[:, :1], axis=0) * (1.0, np.nan)]
     else:

@@ -284,7 +284,8 @@ def of_each_contact(
 ) -> list[points.Settings]:
     """The settings under which a variable is drawn: those of each contact where it has several.
 
-    What is of none has the colours of the first that is asked for, and the sticks of all others.
+    What is of none has the colours of the first that is asked for, and the sticks of the others; of
+    all others where one is asked for.
     """
     if "contact" not in dataset[name].dims:
         one = np.size(settings.get("contact", [])) == 1
@@ -348,7 +349,7 @@ def states_present(every: Sequence[Motion], *settings: points.Settings) -> list[
 def other_sticks(motion: Motion, settings: points.Settings) -> Iterator[tuple[int, float, float]]:
     """(contact, begin, end in s) of each stick of a contact that the colours are not about.
 
-    None where the figure says which one it is about; of several that it names the first is.
+    None of a panel that is about one; of several that its settings name the first is.
     """
     known = motion.data["contact_state"].coords.get("contact")
     if known is None or not known.ndim:

@@ -43,8 +43,7 @@ LOG_DECADES, LINEAR_DECADES = 6.0, 2.0  # of amplitude on an axis of them, and o
 NO_JUMPS = np.zeros(0), np.zeros(0)
 UPRIGHT = 0.8  # pt
 ASIDE, MOST_ASIDE = 1.5, 8.0  # widths from one line of a frequency to the next, and of all
-ACROSS = 0.8  # of the width of a figure: what a panel has
-TALL = 1e-2  # of the greatest amplitude
+TALL = 1e-2  # of the greatest amplitude: what has less is not looked at
 SEEN = 0.1  # share of a frequency by which a line that stands beside it is seen to
 FEW = 3  # spectra that are lines, though a parameter varies
 DECADES = 3.0  # of amplitude in a colour scale; what is less has its lowest colour
@@ -249,7 +248,7 @@ def _moved(ax: Axes, spectra: Sequence[tuple[np.ndarray, np.ndarray]]) -> Iterat
         return
     first = min(x[y > TALL * np.nanmax(y)].min(initial=np.inf) for x, y in uprights)
     low, high = ax.get_xlim()
-    wide = (high - low) / (ACROSS * ax.figure.figure.get_figwidth())
+    wide = (high - low) / (style.ACROSS * ax.figure.figure.get_figwidth())
     off = 0.5 * (count - 1) * _step(count) * wide
     if off > SEEN * first:
         yield (

@@ -76,6 +76,7 @@ MANY_MARKS = 20_000
 TITLE_LETTERS = 92  # in a figure of one panel on a screen
 MARKUP = re.compile(r"\\[A-Za-z]+|[{}$_^]")
 POINTS = 72.0  # an inch
+ACROSS = 0.8  # of the width of a figure: what a panel has
 LETTER, LINE = 0.55, 1.7  # width of a letter, height of an entry of a legend; of the letters' size
 ROUNDING = 1e-9  # of a value: what varies by less is drawn as constant
 

@@ -91,10 +91,11 @@ def taken(
 
     Raises
     ------
-    SelectionError : no such variable, axis, class or reference point
+    SelectionError : no such variable, axis, class or reference point; of a difference, one value
     """
     if variable not in dataset:
         raise select.SelectionError(f"{variable}: no variable of the dataset")
+    dataset = _looked_at(dataset, take)
     axes = [select.axis_of(dataset, name) for name in take["over"]]
     for axis in axes:
         if axis.dims[0] not in dataset[variable].dims:
@@ -114,6 +115,16 @@ def taken(
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
 
+def _looked_at(dataset: xr.Dataset, take: Mapping[str, Any]) -> xr.Dataset:
+    """The part of which something is taken: of an axis both its ends, for a difference."""
+    if take["what"] != "difference":
+        return dataset
+    axis = select.axis_of(dataset, take["over"][0])
+    if axis.size < 2:
+        raise select.SelectionError(f"{axis.name}: one value alone, which differs from no other")
+    return dataset.isel({str(axis.dims[0]): [0, -1]})
+
+
 def _moved(what: str, array: xr.DataArray, off: xr.DataArray, dims: list[str]) -> xr.DataArray:
     """How far what is taken may be off: an extreme, as far as it may lie where it is, or beside."""
     if what not in ("least", "greatest"):
@@ -129,6 +140,7 @@ def without_value(part: xr.Dataset, variable: str, take: Mapping[str, Any]) -> s
 
     What has axes of its own, such as crossings, has fewer values at some points by its nature.
     """
+    part = _looked_at(part, take)
     array, status = numbers(part[variable]), part["status"]
     lacking = array.isnull() & ~unknown_points(part, variable, allow_undecided=False)
     if not set(array.dims) <= set(status.dims) or not lacking.any():
@@ -143,11 +155,13 @@ def without_value(part: xr.Dataset, variable: str, take: Mapping[str, Any]) -> s
 def told_by_class(
     found: xr.Dataset, part: xr.Dataset, variable: str, take: Mapping[str, Any]
 ) -> xr.Dataset:
-    """What is taken, whose status is a class of points without a value where nothing is left."""
-    what, status = take["what"], found["status"]
-    nothing = found[f"{what}_low"].isnull() & is_class(status, ("ok",))
-    if "attractor" not in part or not {*part[variable].dims} <= {*part["status"].dims}:
+    """What is taken of numbers, whose status is a class of decided points without one where these
+    leave nothing; of several such classes the last of all that there are."""
+    has_classes = "attractor" in part and {*part[variable].dims} <= {*part["status"].dims}
+    if take.get("of") or not has_classes:
         return found
+    part, status = _looked_at(part, take), found["status"]
+    nothing = found[f"{take['what']}_low"].isnull() & is_class(status, ("ok",))
     dims = _dims([select.axis_of(part, name) for name in take["over"]])
     lacking = numbers(part[variable]).isnull() & ~unknown_points(part, variable, False)
     names = {**flag_names(status.attrs)}
@@ -279,7 +293,7 @@ def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> 
     named = " ".join(filter(None, (take["what"], of_what, over)))
     if take["what"] != "difference":
         return named
-    first, last = (f"{end:.4g}" if select.is_numeric(axis) else end for end in axis.values[[0, -1]])
+    first, last = (f"{end:.6g}" if select.is_numeric(axis) else end for end in axis.values[[0, -1]])
     return f"{named}, {axis.name}: {last} less {first}"
 
 
