@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 
 import numpy as np
 import pytest
@@ -165,6 +166,12 @@ def test_what_is_not_there_is_told():
         rows(data.bifurcation(), "L_S")
     with pytest.raises(UsageError, match=r"no variable 'rms'; here it is 'L_s'"):
         rows(data.bifurcation(), "rms")
+    kinds = {"response": {"kind": "response", "settings": {}}}
+    of_a_response = data.bifurcation().assign_attrs(analyses_json=json.dumps(kinds))
+    with pytest.raises(UsageError, match=r"kind = \"critical\" computes it"):
+        rows(of_a_response, "critical_value")
+    with pytest.raises(UsageError, match=r"response computes it under other settings: fiv kinds"):
+        rows(of_a_response, "section_kind")
 
 
 def test_everything_is_as_many_tables_as_it_takes():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache
 from json import dumps
 from math import inf
@@ -88,13 +88,19 @@ def named(name: str) -> Variable:
     return known.get(name) or known.get(f"state_{ending}") or plain
 
 
-def computed_by(name: str, along: str = "") -> str:
-    """Which kinds of analyses compute a variable (`along` a dim), as a hint; "" where none does."""
+def computed_by(name: str, along: str = "", had: Collection[str] = ()) -> str:
+    """Which kinds of analyses compute a variable (`along` a dim), as a hint; "" where none does.
+
+    One that is `had`, and did not compute it, does so under other settings.
+    """
     kinds = [
         kind
         for kind, one in all_analyses().items()
         if any(v.name == name and (not along or along in v.dims) for v in possible_variables(one))
     ]
+    again = [kind for kind in kinds if kind in had]
+    if again:
+        return f"{again[0]} computes it under other settings: fiv kinds {again[0]}"
     return f"[[analysis]] kind = {' or '.join(map(dumps, kinds))} computes it" if kinds else ""
 
 

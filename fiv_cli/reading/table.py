@@ -14,7 +14,13 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.names import pick, suggest
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import class_names, error_of, flag_names, standard_error_of
+from fiv_cli.reading.datasets import (
+    analysis_of,
+    class_names,
+    error_of,
+    flag_names,
+    standard_error_of,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -234,7 +240,9 @@ def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dat
         tried = (
             word(name, some) for some in (beside, [*known]) for word in (variable_meant, suggest)
         )
-        hints = [] if name in known else [next(filter(None, tried), ""), computed_by(name)]
+        had = [str(analysis_of(one, of).get("kind")) for of, one in analyses.items()]
+        given = computed_by(name, had=had)
+        hints = [] if name in known else [next(filter(None, tried), ""), given]
         if hint := "; ".join(filter(None, hints)):
             raise UsageError(f"there is no variable {name!r}; {hint}")
         pick(name, known, "variable", "fiv show FILE.nc")
