@@ -6,6 +6,7 @@ from collections import defaultdict
 from pathlib import Path
 
 import pytest
+import synthetic_datasets as data
 from hypothesis import settings
 
 # The same examples in every run; a first example may compile code, so there is no deadline.
@@ -64,10 +65,8 @@ KEPT = {
         "test_classes_on_both_sides_of_the_unstable_cycle": 4,
         "test_the_share_of_resting_starts": 1,
     },
-    "test_plots.py": {
-        "test_the_same_data_gives_the_same_bytes": 3,
-        "test_a_figure_too_narrow_for_its_panels_says_how_wide_it_may_be": 1,
-    },
+    "test_plots_files.py": {"test_the_same_data_gives_the_same_bytes": 3},
+    "test_plots_map.py": {"test_a_figure_too_narrow_for_its_panels_says_how_wide_it_may_be": 1},
     "test_data_cf.py": {"test_a_checker_of_others_passes": 5},
     "test_readme.py": {"test_parts_from_batch_queues_join_to_the_dataset_of_one_run": 0},
     "test_sound_datasets.py": {"test_a_sample_of_damaged_datasets": 0},
@@ -104,3 +103,12 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty cache folder for this test."""
     monkeypatch.setenv("FIV_CACHE_DIR", str(tmp_path / "cache"))
     return tmp_path / "cache"
+
+
+@pytest.fixture
+def stored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a dataset of each form that figures have."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("bifurcation", "stability_map", "history", "eigenvalues"):
+        getattr(data, name)().to_netcdf(tmp_path / f"{name}.nc")
+    return tmp_path

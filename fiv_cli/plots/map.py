@@ -152,10 +152,19 @@ class _Planes:
 
     @cached_property
     def settled(self) -> xr.DataArray:
-        """Where its numbers are an answer: not of a motion that was on its way yet."""
+        """Where its numbers are an answer: not of a motion that was on its way yet.
+
+        One that never met a section which the case names may be anything; where it names none,
+        time was too short for the motion to choose one.
+        """
         if "reason" not in self.dataset:
             return self.computed
-        return self.computed & ~is_class(self.dataset["reason"], ON_THE_WAY)
+        moving = (*ON_THE_WAY, "section_drifts", *["no_section_points"] * self._has_own_sections)
+        return self.computed & ~is_class(self.dataset["reason"], moving)
+
+    @property
+    def _has_own_sections(self) -> bool:
+        return "section_kind" in self.dataset
 
     def of(self, array: xr.DataArray, panel: points.Line) -> np.ndarray:
         """Values of one panel, shape (points along y, points along x)."""

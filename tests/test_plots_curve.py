@@ -1,0 +1,771 @@
+"""Curves, drawn from small datasets: lines, crossings, what is not sure, followed branches."""
+
+import csv
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+import synthetic_datasets as data
+import xarray as xr
+from matplotlib.colors import to_hex
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from plotted import (
+    AT_A_JUMP,
+    REST_ABOVE,
+    UNDECIDED_ABOVE,
+    crossing_lines,
+    figure,
+    legend_texts,
+    marks,
+)
+
+from fiv_cli.errors import UsageError
+from fiv_cli.plots import (
+    draw,
+    look_of,
+    points,
+    save,
+    style,
+)
+from fiv_cli.plots.drawn import as_csv, in_one_line
+from fiv_cli.plots.style import (
+    BLACK,
+)
+from fiv_cli.reading.datasets import flag_names
+from fiv_cli.reading.summary import summarise
+from fiv_cli.reading.take import taken
+
+
+def test_a_curve_has_a_line_for_every_start_and_none_leads_to_another_class():
+    dataset = data.bifurcation()
+    (ax,) = draw(dataset, figure("curve")).axes
+    undecided = dataset["attractor"] == data.codes(data.ATTRACTORS, "undecided")
+    for label in ("near", "far"):
+        classes = dataset["attractor"].sel(initial=label).values
+        expected = dataset["L_s"].where(~undecided).sel(initial=label).values
+        cut = np.insert(expected, np.flatnonzero(np.diff(classes)) + 1, np.nan)
+        assert len(cut) > len(expected)
+        assert np.array_equal(marks(ax, label)[:, 1], cut, equal_nan=True)
+    hollow, _ = [line for line in ax.lines if line.get_markerfacecolor() == "none"]
+    assert hollow.get_linestyle() == "None"
+    assert np.array_equal(hollow.get_ydata(), dataset["L_s"].values[undecided])
+    assert ax.get_ylabel() == "$L_s$ (rad$^{2}$)"
+
+
+def test_what_is_taken_over_undecided_points_is_called_undecided():
+    dataset = data.bifurcation()
+    taking = {"what": "spread", "over": ["initial"]}
+    (ax,) = draw(dataset, figure("curve", variable="L_s", take=taking)).axes
+    assert ax.get_ylabel().startswith("spread of $L")
+    assert marks(ax, "undecided")[:, 0].tolist() == pytest.approx([1.5])
+    assert marks(ax, "failed")[:, 0].tolist() == pytest.approx([2.5])
+
+
+def share_of_periodic(undecided):
+    """What is taken over both starts, and a dataset in which some points are undecided."""
+    dataset = data.bifurcation()
+    dataset["attractor"][undecided, 1] = data.codes(data.ATTRACTORS, "undecided")
+    return dataset, {"what": "share", "of": "periodic", "over": ["initial"]}
+
+
+def test_what_is_taken_over_undecided_points_is_a_bar_over_all_that_it_may_be():
+    """The line leads through what is known alone."""
+    dataset, taking = share_of_periodic([3, 4, 20])
+    (ax,) = draw(dataset, figure("curve", variable="attractor", take=taking)).axes
+    found = taken(dataset, "attractor", taking)
+    ends = np.stack([found["share_low"], found["share_high"]], axis=-1)
+    wide = ends[:, 0] < ends[:, 1]
+    (bars,) = (np.array(c.get_segments()) for c in ax.collections)
+    np.testing.assert_allclose(bars[:, 0, 0], dataset["Omega"].values[wide])
+    np.testing.assert_allclose(bars[:, :, 1], ends[wide])
+    known = ax.lines[0].get_ydata()
+    np.testing.assert_allclose(known[np.isfinite(known)], ends[~wide, 0])
+    assert {3, 4, 20} <= {*np.flatnonzero(wide)}
+    assert legend_texts(ax).count("undecided points: from least to greatest") == 1
+    taking = {"what": "greatest", "over": ["initial"]}
+    (ax,) = draw(dataset, figure("curve", variable="L_s", take=taking)).axes
+    (least,) = [line for line in ax.lines if line.get_label() == "_undecided points: at least"]
+    assert {*dataset["Omega"].values[[3, 4, 20]]} <= {*least.get_xdata()}
+    assert "undecided points: at least" in legend_texts(ax)
+
+
+def test_where_nothing_is_known_of_what_is_taken_a_mark_stands_below():
+    """Where no point is periodic but one undecided, the first that is may be this one or none."""
+    dataset = data.stability_map(initial=["reached"])
+    dataset["attractor"][:, :2] = data.codes(data.ATTRACTORS, "equilibrium")
+    dataset["attractor"][7, 1] = data.codes(data.ATTRACTORS, "undecided")
+    taking = {"what": "first", "of": "periodic", "over": ["Omega"]}
+    (ax,) = draw(dataset, figure("curve", x="N0", variable="attractor", take=taking)).axes
+    told = "undecided points: nothing known"
+    assert marks(ax, f"_{told}").tolist() == [[dataset["N0"].values[1], 0.0]]
+    assert told in legend_texts(ax)
+
+
+def test_numbers_taken_over_undecided_points_are_marked_on_a_map():
+    dataset = data.stability_map()
+    dataset["attractor"][3, 5, 1] = data.codes(data.ATTRACTORS, "undecided")
+    taking = {"what": "share", "of": "periodic", "over": ["initial"]}
+    settings = {"variable": "attractor", "take": taking, "level": 0.6}
+    drawn = draw(dataset, figure("map", **settings))
+    told = "undecided points: middle of least and greatest"
+    found = taken(dataset, "attractor", taking)
+    wide = (found["share_low"] < found["share_high"]).transpose("Omega", "N0").values
+    assert wide[3, 5]
+    places = {(dataset["Omega"].values[x], dataset["N0"].values[y]) for x, y in np.argwhere(wide)}
+    assert {*map(tuple, marks(drawn.axes[0], told))} == places
+    (rings,) = [line for line in drawn.axes[0].lines if line.get_label() == told]
+    assert rings.get_zorder() > max(lines.get_zorder() for lines in drawn.findobj(ContourSet))
+    assert told in legend_texts(drawn)
+    assert any(text.endswith("= 0.6, at least and at most") for text in legend_texts(drawn))
+    settings = {"variable": "L_s", "take": {"what": "greatest", "over": ["initial"]}}
+    (why,) = legend_texts(draw(dataset, figure("map", **settings)))[-1:]
+    assert why.startswith("no value: ") and why.endswith(", undecided")
+
+
+def test_what_is_filled_in_as_undecided_is_not_said_not_to_be_computed():
+    """Of what is taken over it, for one; and once."""
+    dataset = data.stability_map()
+    statuses = {name: code for code, name in flag_names(dataset["status"].attrs).items()}
+    was_run = dataset["status"].copy(data=np.zeros(dataset["status"].shape, np.int8))
+    named = {"flag_values": np.array([0, 1], np.int8), "flag_meanings": "run filled_in"}
+    dataset["computed"] = was_run.assign_attrs(named)
+    dataset["attractor"][3, 5], dataset["attractor"][-3:, -2:] = (
+        data.codes(data.ATTRACTORS, name) for name in ("undecided", "periodic")
+    )
+    dataset["status"][-3:, -2:] = statuses["ok"]
+    dataset["status"][3, 5], dataset["computed"][3, 5] = statuses["not_computed"], 1
+    take = {"what": "classes", "over": ["initial"]}
+    (why,) = legend_texts(draw(dataset, figure("map", variable="attractor", take=take)))[-1:]
+    assert why == "no value: undecided"
+
+
+def test_hollow_values_are_named_and_keys_have_the_one_colour_that_they_stand_for():
+    """Black where that is several."""
+    hollow, dataset = "value of an undecided motion", data.bifurcation()
+    one = draw(dataset, figure("curve")).axes[0]
+    dataset["attractor"][10] = data.codes(data.ATTRACTORS, "undecided")
+    both = draw(dataset, figure("curve")).axes[0]
+    for ax, count in ((one, 1), (both, 2)):
+        drawn = [line for line in ax.lines if str(line.get_label()).endswith(f", {hollow}")]
+        (key,) = [line for line in ax.lines if line.get_label() == hollow]
+        colours = [to_hex(line.get_color()) for line in drawn]
+        assert len(colours) == count
+        assert to_hex(key.get_color()) == (colours[0] if count == 1 else BLACK)
+        assert hollow in legend_texts(ax)
+
+
+def test_a_line_stands_where_the_section_that_motions_choose_changes():
+    dataset = data.bifurcation()
+    kinds = {"flag_values": [-1, 0, 2], "flag_meanings": "not_computed slip_to_stick turning_point"}
+    chosen = np.where(dataset["attractor"] == data.codes(data.ATTRACTORS, "periodic"), 0, -1)
+    same = dataset.assign(section_kind=(("Omega", "initial"), chosen.astype(np.int8), kinds))
+    same["section_contact"] = dataset["L_s"] * 0.0 + 1.0
+    assert "another section" not in legend_texts(draw(same, figure("bifurcation")).axes[0])
+    chosen[25:, 1] = 2
+    other = same.assign(section_kind=(("Omega", "initial"), chosen.astype(np.int8), kinds))
+    (ax,) = draw(other, figure("bifurcation")).axes
+    assert marks(ax, "another section")[:, 0].tolist() == pytest.approx([2.95, 2.95])
+    (note,) = style.notes_on(ax.figure)
+    assert "changes at Omega = 2.95, and" in note
+    assert 'section = { zero = "phi_dot" }' in in_one_line(note)  # as it is told
+
+
+def with_x_rms(unit):
+    dataset = data.bifurcation()
+    return dataset.assign(x_rms=(("Omega", "initial"), np.ones((46, 2)), {"units": unit}))
+
+
+def test_several_variables_of_a_curve_are_named_in_its_legend():
+    dataset = data.bifurcation().isel(initial=[0])
+    dataset["x_rms"] = (("Omega", "initial"), np.ones((46, 1)), {"units": "rad2"})
+    (ax,) = draw(dataset, figure("curve", variable=["L_s", "x_rms"])).axes
+    assert legend_texts(ax)[:2] == ["$L_s$", r"$x_{\mathrm{rms}}$"]  # units stand at axes
+    assert ax.get_ylabel() == r"$L_s$, $x_{\mathrm{rms}}$ (rad$^{2}$)"
+    dataset["x_rms"].attrs["units"] = "rad"  # each unit has a panel, the first the limits
+    wanted = {"variable": ["L_s", "x_rms"], "ylim": (0.0, 1.5), "ylabel": "mine"}
+    top, below = draw(dataset, figure("curve", **wanted)).axes
+    assert (top.get_ylabel(), below.get_ylabel()) == ("mine", r"$x_{\mathrm{rms}}$ (rad)")
+    assert (top.get_xlabel(), below.get_xlabel()) == ("", r"disc speed $\Omega$ (rad/s)")
+    assert top.get_ylim() == (0.0, 1.5) != below.get_ylim()
+    wanted["ylim"] = {"x_rms": (0.5, 2.5)}
+    top, below = draw(dataset, figure("curve", **wanted)).axes
+    assert below.get_ylim() == (0.5, 2.5) != top.get_ylim()
+    with pytest.raises(UsageError, match="one variable"):
+        draw(data.stability_map(), figure("map", variable=["L_s", "attractor"]))
+
+
+@pytest.mark.parametrize(
+    ("asked", "shown"),
+    [
+        ({}, {"phi": None, "theta": None}),
+        ({"ylim": (-1.0, 2.0)}, {"phi": (-1.0, 2.0), "theta": None}),
+        ({"ylim": {"theta": (-1.0, 2.0)}}, {"phi": None, "theta": (-1.0, 2.0)}),
+    ],
+)
+def test_histories_beside_one_another_have_one_range_of_each_variable(asked, shown):
+    """That of all, or what the figure says of it; and one axis of time, of motions as long."""
+    drawn = draw(data.history(), figure("history", variable=["phi", "theta"], **asked))
+    for row, told in zip(np.reshape(drawn.axes, (2, 2)), shown.values(), strict=True):
+        left, right = (ax.get_ylim() for ax in row)
+        assert left == right == (told or left) != (0.0, 1.0)
+    assert len({ax.get_xlim() for ax in drawn.axes}) == 1
+
+
+def test_a_motion_that_would_be_flat_beside_another_has_a_range_of_its_own():
+    found = data.history()
+    small = found["phi"].where(found["initial"] == "far", 0.02 + 1e-3 * (found["phi"] - 0.02))
+    far, near = draw(found.assign(phi=small), figure("history", variable=["phi"])).axes
+    assert np.ptp(near.get_ylim()) < 1e-2 * np.ptp(far.get_ylim())
+
+
+def test_all_variables_of_a_curve_leave_a_motion_at_the_same_points():
+    """One that would go on as if nothing had happened stands at another motion there, too."""
+    found = data.bifurcation().isel(initial=[0])
+    x, after = found["Omega"].values, found["Omega"].values > 2.0
+    (periodic,) = (c for c, n in flag_names(found["attractor"].attrs).items() if n == "periodic")
+    found["attractor"] = found["attractor"].copy(data=np.full((x.size, 1), periodic))
+    found["L_s"] = found["L_s"].copy(data=(1.0 + 0.1 * x)[:, None])
+    found["x_rms"] = (("Omega", "initial"), (1.0 + 0.1 * x + after)[:, None], {"units": "rad"})
+    breaks = [
+        np.flatnonzero(np.isnan(ax.lines[0].get_ydata())).tolist()
+        for names in (["L_s"], ["L_s", "x_rms"])
+        for ax in draw(found, figure("curve", variable=names)).axes
+    ]
+    assert breaks == [[], [after.argmax()], [after.argmax()]]
+
+
+def test_series_of_a_curve_without_a_name_of_their_own_have_no_comma():
+    assert points.unlisted("", "stable cycle") == points.unlisted("_", "stable cycle")
+    assert points.unlisted("_near", "stable cycle") == "_near, stable cycle"
+
+
+def test_marks_are_at_the_points_of_all_panels_or_of_none():
+    """Dashes take the room for marks in one of them alone."""
+    dataset = data.bifurcation()
+    for name, unit in (("x_rms", "1"), ("x_min", "1"), ("x_max", "m")):
+        dataset[name] = (len(name) * dataset["L_s"]).assign_attrs(units=unit, long_name=name)
+    dataset["x_min"] *= 2.0
+    few = draw(dataset, figure("curve", variable="x_max")).axes
+    panels = draw(dataset, figure("curve", variable=["x_rms", "x_min", "x_max"])).axes
+    assert [marked_lines(ax) > 0 for ax in (*few, *panels)] == [True, False, False]
+
+
+def marked_lines(ax):
+    """How many lines have a mark at each of their points."""
+    drawn = [line for line in ax.lines if np.isfinite(line.get_ydata()).sum() > 1]
+    return sum(line.get_marker() != "None" and line.get_markevery() is None for line in drawn)
+
+
+def test_variables_of_other_units_have_panels_of_their_own_above_each_other():
+    asked = {"variable": ["L_s", "x_rms", "attractor"], "xlim": [1, 2], "ylim": [0, 3], "log": "x"}
+    drawn = draw(with_x_rms("rad"), figure("curve", **asked, ylabel="mine"))
+    top, middle, bottom = drawn.axes
+    assert [ax.get_ylabel() for ax in (top, middle)] == ["mine", r"$x_{\mathrm{rms}}$ (rad)"]
+    assert [bool(ax.get_xlabel()) for ax in drawn.axes] == [False, False, True]
+    assert {ax.get_xlim() for ax in drawn.axes} == {(1, 2)}
+    assert {ax.get_xscale() for ax in drawn.axes} == {"log"}
+    assert top.get_ylim() == (0, 3) != middle.get_ylim()
+    assert "periodic" in [tick.get_text() for tick in bottom.get_yticklabels()]
+    assert legend_texts(drawn)[:2] == ["near", "far"]
+    colours = {ax.lines[0].get_color() for ax in drawn.axes}
+    assert len(colours) == 1
+    with pytest.raises(UsageError, match="needs 3 panels"):
+        draw(with_x_rms("rad"), figure("curve", **asked), axis=Figure().subplots())
+
+
+@pytest.mark.parametrize("style", ["screen", "talk"])
+@pytest.mark.parametrize(
+    ("heights", "inside"),
+    [
+        ({"a": (0.0, 1.0), "b": (0.0, 0.9)}, True),
+        ({"a": (1.0, 1.0), "b": (0.0, 0.0)}, True),
+        ({"a": (0.0, 1.0), "b": (1.0, 0.0), "a level": (0.5, 0.5)}, True),
+        ({f"a start of long name {n}": (0.2 * n, 1.0 - 0.2 * n) for n in range(6)}, False),
+    ],
+)
+def test_a_legend_stands_where_nothing_is_drawn_or_below(heights, inside, style):
+    dataset = crossing_lines(**heights)
+    drawn = draw(dataset, figure("curve", variable="L_s"), look=look_of(style, width=160.0))
+    drawn.canvas.draw()
+    (ax,) = drawn.axes
+    legend = ax.get_legend()
+    assert bool(drawn.legends) == (legend is None)
+    if style == "screen":
+        assert (legend is not None) == inside
+    if legend is not None:
+        box = legend.get_window_extent()
+        for line in ax.lines:
+            path = line.get_transform().transform_path(line.get_path())
+            assert not path.intersects_bbox(box, filled=False)
+            assert not box.count_contains(path.vertices)
+    else:
+        box = drawn.legends[0].get_window_extent()
+        assert box.y1 < ax.xaxis.label.get_window_extent().y0
+
+
+@pytest.mark.parametrize("width", [84.0, 160.0])
+def test_a_legend_of_long_names_stays_on_the_page(width):
+    names = [f"{word} of a start with a name of many words that no line holds" for word in "ab"]
+    dataset = crossing_lines(**dict(zip(names, ((0.0, 1.0), (0.0, 2.0)), strict=True)))
+    drawn = draw(dataset, figure("curve", variable="L_s"), look=look_of("paper", width=width))
+    drawn.canvas.draw()
+    (legend,) = drawn.legends or [drawn.axes[0].get_legend()]
+    box = legend.get_window_extent()
+    assert box.x0 >= 0.0 and box.x1 <= drawn.bbox.x1 and box.y0 >= 0.0
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert [text.replace("\n", " ") for text in texts] == names
+
+
+def test_a_legend_on_the_axis_of_a_user_stays_in_it():
+    own = Figure()
+    axis = own.subplots()
+    draw(crossing_lines(a=(0.0, 1.0), b=(1.0, 0.0)), figure("curve", variable="L_s"), axis=axis)
+    assert axis.get_legend() is not None and not own.legends
+
+
+@pytest.mark.parametrize(
+    ("height", "power"),
+    [
+        (2e-5, "10^{−5}"),
+        (9e-4, "10^{−4}"),
+        (2e-3, "10^{−3}"),
+        (2e-2, ""),
+        (5e4, ""),
+        (3e5, "10^{5}"),
+    ],
+)
+def test_small_and_large_numbers_have_one_power_of_ten_at_the_end_of_the_axis(height, power):
+    dataset = crossing_lines(near=(0.0, height))
+    drawn = draw(dataset, figure("curve", variable="L_s"))
+    drawn.canvas.draw()
+    words = drawn.axes[0].yaxis.get_offset_text().get_text()
+    assert power in words and bool(words) == bool(power)
+
+
+def test_a_curve_of_classes_has_their_names_at_the_ticks():
+    (ax,) = draw(data.bifurcation(), figure("curve", variable="attractor")).axes
+    ticks = [tick.get_text() for tick in ax.get_yticklabels()]
+    assert ticks[:2] == ["equilibrium", "periodic"]
+    assert "not computed" not in ticks
+
+
+def test_lines_of_a_second_axis_say_its_value_with_unit():
+    drawn = draw(data.stability_map(), figure("curve", x="Omega", select={"initial": "exists"}))
+    assert {"$N_0$ = 2 N", "$N_0$ = 26 N", "$N_0$ = 50 N"} < {*legend_texts(drawn)}
+    assert len([line for line in drawn.axes[0].lines if line.get_label().startswith("$N_0$")]) == 17
+
+
+PRELOADS = ["$N_0$ = 10 N", "$N_0$ = 20 N", "$N_0$ = 30 N"]
+
+
+def over_preloads(preloads=(10.0, 20.0, 30.0), starts=("far",)):
+    """A line for each preload and start, and of each the shares of stick of two contacts."""
+    one = crossing_lines(**{start: (1.0 + n, 2.0 + n**2) for n, start in enumerate(starts)})
+    each = [one.assign(L_s=force * one["L_s"]) for force in preloads]
+    found = xr.concat(each, "N0", data_vars="all")
+    both = xr.concat([found["L_s"] / 100.0, found["L_s"] / 200.0], "contact")
+    shares = both.transpose(..., "contact")
+    found["stick_fraction"] = shares.assign_attrs(units="1", long_name="share of stick")
+    return found.assign_coords(**data.axes(N0=preloads), contact=[1, 2])
+
+
+@pytest.mark.parametrize(
+    ("preloads", "starts", "variable", "told"),
+    [
+        ((10.0, 20.0, 30.0, 40.0), ("a", "b"), "stick_fraction", 8),  # dashes tell the contacts
+        ((10.0, 20.0, 30.0), ("a", "b"), "stick_fraction", 0),
+        ((10.0, 20.0, 30.0, 40.0), ("a", "b"), "L_s", 0),
+        (range(10, 100, 10), ("a",), "L_s", 0),  # a ramp tells them
+    ],
+)
+def test_lines_too_many_for_colours_are_told(preloads, starts, variable, told):
+    dataset = over_preloads(preloads, starts)
+    notes = style.notes_on(draw(dataset, figure("curve", x="Omega", variable=variable)))
+    assert [note.split(" lines")[0] for note in notes] == [str(told)] * (told > 0)
+
+
+def looks_of(ax, look):
+    """Words of each line that has points -> its colour, or its dashes."""
+    lines = [line for line in ax.lines if len(line.get_xdata())]
+    return {line.get_label().strip("_"): getattr(line, f"get_{look}")() for line in lines}
+
+
+def test_a_curve_shows_variables_of_several_analyses():
+    """Of each the points without answer are marked in its colour, and the starts selected."""
+    critical, motion = data.crossings().isel(crossing=[0]), data.bifurcation().isel(Omega=[0, 1, 2])
+    motion = motion.rename(Omega="R").assign_coords(critical["R"].coords)
+    motion["L_s"].attrs |= {"units": "N", "long_name": "half range"}
+    motion["status"][2, 1], motion["L_s"][2, 1] = data.STATUS.index("failed"), np.nan
+    asked = figure("curve", variable=["critical_value", "L_s"], select={"initial": "far"})
+    (ax,) = draw({"critical": critical, "motion": motion}, asked).axes
+    names, told = ["critical value of $A_{b}$", "half range $L_s$"], "failed: half range"
+    assert legend_texts(ax) == [*names, f"{told} $L_s$"]
+    np.testing.assert_array_equal(marks(ax, names[0])[:, 1], critical["critical_value"][:, 0])
+    np.testing.assert_array_equal(marks(ax, names[1])[:, 1], motion["L_s"][:, 1])
+    colours = looks_of(ax, "color")
+    assert colours[f"{told} $L_s$"] == colours[names[1]] != colours[names[0]]
+    with pytest.raises(UsageError, match="initial: no axis"):
+        wanted = figure("curve", x="initial", variable=["L_s", "critical_value"])
+        draw({"critical": critical, "motion": motion}, wanted)
+    with pytest.raises(UsageError, match="L_s: not in this dataset"):
+        wanted = figure("curve", analysis="critical", variable="L_s")
+        draw({"critical": critical, "motion": motion}, wanted)
+
+
+def test_a_value_has_one_colour_in_all_panels_and_each_contact_its_dashes():
+    """The table has every line by all of its words."""
+    drawn = draw(over_preloads(), figure("curve", x="Omega", variable=["L_s", "stick_fraction"]))
+    assert legend_texts(drawn) == [*PRELOADS, "contact = 1", "contact = 2"]
+    top, below = (looks_of(ax, "color") for ax in drawn.axes)
+    assert len({*top.values()}) == 3
+    assert below == {f"{one}, contact = {n}": top[one] for one, n in product(PRELOADS, (1, 2))}
+    dashes = {(words[-1], dash) for words, dash in looks_of(drawn.axes[1], "linestyle").items()}
+    assert dashes == {("1", "-"), ("2", "--")}
+    keys = [key.get_color() for key in drawn.legends[0].legend_handles]
+    assert keys == [*top.values(), BLACK, BLACK]
+    rows = list(csv.reader(as_csv(drawn, Path("a.csv")).splitlines()))
+    assert {row[4] for row in rows[1:]} == {in_one_line(words) for words in [*top, *below]}
+
+
+@pytest.mark.parametrize(("points", "marker"), [(21, "None"), (8, ".")])
+def test_marks_leave_room_for_dashes_that_tell_contacts_apart(points, marker):
+    few = over_preloads().isel(Omega=slice(points))
+    drawn = draw(few, figure("curve", variable="stick_fraction"), look=look_of("paper", width=84.0))
+    assert {*looks_of(drawn.axes[0], "marker").values()} == {marker}
+    one = few.isel(contact=[0], N0=[0, 1])  # two lines, of two colours
+    drawn = draw(one, figure("curve", variable="stick_fraction"), look=look_of("paper", width=84.0))
+    assert {*looks_of(drawn.axes[0], "marker").values()} == {"."}
+
+
+def test_of_two_dims_that_of_more_values_has_the_colours_also_of_gaps():
+    found = over_preloads((10.0, 20.0), ("a", "b", "c"))
+    found["status"][1, 20, 1], found["L_s"][1, 20, 1] = data.STATUS.index("failed"), np.nan
+    (ax,) = draw(found, figure("curve", x="Omega", variable="L_s")).axes
+    assert legend_texts(ax) == ["a", "b", "c", *PRELOADS[:2], f"failed: {PRELOADS[1]}, b"]
+    colours = looks_of(ax, "color")
+    assert len({*colours.values()}) == 3
+    assert colours[f"failed: {PRELOADS[1]}, b"] == colours[f"{PRELOADS[0]}, b"]
+
+
+def test_a_line_without_value_and_lines_of_all_have_entries_beside_colours_and_dashes():
+    found = over_preloads()
+    found["stick_fraction"][0, ..., 1] = found["stick_fraction"][0, ..., 0]
+    found["stick_fraction"][1, ..., 1] = np.nan
+    found["L_s"][2] = np.nan  # its colour is told: it has values elsewhere
+    drawn = draw(found, figure("curve", x="Omega", variable=["L_s", "stick_fraction"]))
+    none, both = f"{PRELOADS[1]}, contact = 2: no value", "contact = 1 and contact = 2"
+    assert legend_texts(drawn) == [*PRELOADS, both, "contact = 1", "contact = 2", none]
+
+
+@pytest.mark.parametrize(
+    ("preloads", "starts", "asked", "entries"),
+    [
+        ((10.0, 20.0), ("a", "b"), {"variable": "L_s"}, 4),  # no fewer by colour and dash
+        ((10.0, 20.0, 30.0), ("a-001", "b-001"), {"variable": "L_s"}, 6),  # nor is a line drawn
+        ((10.0, 20.0, 30.0), ("a", "b"), {"variable": "attractor"}, 3),  # both starts are one
+        (
+            (10.0, 20.0, 30.0),
+            ("a", "b"),
+            {"variable": "L_s", "x": "initial", "select": {"Omega": [0.5, 1.0]}},
+            6,
+        ),
+    ],
+)
+def test_where_dashes_tell_nothing_each_line_has_its_colour(preloads, starts, asked, entries):
+    found = over_preloads(preloads, starts)
+    (ax,) = draw(found, figure("curve", **{"x": "Omega"} | asked)).axes
+    assert len(legend_texts(ax)) == len({*looks_of(ax, "color").values()}) == entries
+
+
+def test_a_curve_of_crossings_has_a_line_for_each_sort():
+    dataset = data.crossings()
+    (ax,) = draw(dataset, figure("curve")).axes
+    assert legend_texts(ax) == [
+        "a mode turns stable",
+        "a mode turns unstable",
+        AT_A_JUMP,
+    ]
+    np.testing.assert_array_equal(marks(ax, AT_A_JUMP), [[5, 1.5], [10, 3], [20, 6]])
+    np.testing.assert_array_equal(marks(ax, "a mode turns stable"), [[5, 2], [10, 4]])
+    (ax,) = draw(dataset.isel(crossing=[0]), figure("curve")).axes
+    assert ax.get_legend() is None
+    other = data.boundaries().isel(crossing=[0]).rename(N0="R")  # each variable has one sort
+    other = other.assign_coords(dataset["R"].coords).isel(R=[0, 1])
+    other["boundary"].attrs["units"] = "N"
+    both = {"critical": dataset.isel(crossing=[0]), "ends": other}
+    asked = figure("curve", x="R", variable=["critical_value", "boundary"])
+    (ax,) = draw(both, asked).axes
+    assert legend_texts(ax) == [
+        "critical value of $A_{b}$",
+        "$\\Omega$ at which the answer changes",
+    ]
+    assert {line.get_marker() for line in ax.lines if len(line.get_xdata())} == {"o", "_"}  # caps
+
+
+@pytest.mark.parametrize(("values", "told"), [([4, 1, 1, 4], True), ([4, 3, 2, 1], False)])
+def test_where_crossings_are_not_joined_is_told(values, told):
+    """Of so few points none tells a bend from a leap."""
+    axes = data.axes(Omega=[1.0, 2.0, 4.0, 5.0])
+    dims, one = ("Omega", "crossing"), np.full((4, 1), "root")
+    found = {"critical_value": (dims, np.array(values, float)[:, None])}
+    found["status"] = data.statuses(("Omega",), np.full(4, "ok"))
+    found["crossing_kind"] = data.flags(dims, one, ("root", "jump"))
+    ways = np.full((4, 1), "to_stable")
+    found["crossing_direction"] = data.flags(dims, ways, ("to_stable", "to_unstable"))
+    drawn = draw(xr.Dataset(found, axes, data.attributes()), figure("curve"))
+    told_of = "not joined between Omega = 1 and 2"
+    assert len([note for note in style.notes_on(drawn) if told_of in note]) == told
+
+
+def test_a_file_without_the_variable_of_a_curve_shows_its_own_number():
+    """Of the same unit in the same panel: a border and the critical value beside it."""
+    axes = data.axes(Omega=[1.0, 2.0, 3.0])
+    status = data.statuses(("Omega",), np.full(3, "ok"))
+    names = {"boundary": "boundary", "critical_value": "critical value of c"}
+    sources = []
+    for name, words_ in names.items():
+        values = (("Omega",), [3.0, 2.0, 1.0], {"units": "N s m-1", "long_name": words_})
+        attributes = data.attributes() | {"law": name}
+        sources.append((name, xr.Dataset({name: values, "status": status}, axes, attributes)))
+    drawn = draw(sources, figure("curve", variable="boundary"))
+    (ax,) = drawn.axes
+    assert len([line for line in ax.lines if np.isfinite(line.get_ydata()).any()]) == 2
+
+
+def test_of_several_files_each_shows_those_variables_of_a_curve_that_it_has():
+    whole = data.bifurcation()[["status", "attractor", "L_s"]]
+    whole["stick_fraction"] = whole["L_s"].assign_attrs(units="s")
+    asked = figure("curve", variable=["L_s", "stick_fraction"])
+    part = whole.drop_vars("stick_fraction")
+    drawn = draw([("whole", whole), ("part", part)], asked)
+    lines = [[one for one in ax.lines if one.get_linestyle() != "None"] for ax in drawn.axes]
+    told = [[one.get_label() for one in some] for some in lines]
+    assert [any("part" in label for label in labels) for labels in told] == [True, False]
+    with pytest.raises(UsageError, match=r"other: no L_s or stick_fraction.*\n.*it has attractor"):
+        draw([("whole", whole), ("other", part.drop_vars("L_s"))], asked)
+
+
+@pytest.mark.parametrize(("count", "marked"), [(25, True), (26, False)])
+def test_marks_of_many_crossings_do_not_hide_their_lines(count, marked):
+    """A crossing that no line leads through has a mark all the same."""
+    along = np.linspace(0.1, 1.0, count + 1)
+    dataset = data.crossings().isel(crossing=[1], R=[0] * (count + 1)).assign_coords(R=along)
+    dataset["critical_value"][:, 0] = np.where(along > 0.1, along, 9.0)
+    dataset["crossing_mode"][:, 0] = np.where(along > 0.1, 2, 0)
+    (ax,) = draw(dataset, figure("curve")).axes
+    has_marks = {line.get_xdata().size: line.get_marker() != "None" for line in ax.lines}
+    assert has_marks == {1: True, count: marked}
+
+
+@pytest.mark.parametrize(("error", "seen"), [(0.1, True), (1e-3, False)])
+def test_error_bars_too_short_to_be_seen_have_no_ends(error, seen):
+    found = data.bifurcation()
+    found["L_s_error"] = error * found["L_s"].where(found["L_s"] > 0.0)
+    (ax,) = draw(found, figure("curve", variable="L_s", select={"initial": "far"})).axes
+    caps = [line.get_markevery() for line in ax.lines if line.get_marker() in (2, 3, "_")]
+    assert caps and all(bool(shown) == seen for shown in caps)
+    assert any(one.get_label().endswith("error bar") for one in ax.collections)
+
+
+def test_where_colours_tell_another_axis_dashes_tell_the_sorts_of_crossings():
+    one = data.crossings()
+    both = xr.concat([one, one.assign(critical_value=2 * one["critical_value"])], "mu_k")
+    (ax,) = draw(both.assign_coords(data.axes(mu_k=[0.2, 0.3])), figure("curve", x="R")).axes
+    sorts = ["a mode turns stable", "a mode turns unstable", AT_A_JUMP]
+    assert legend_texts(ax) == [*sorts, r"$\mu_k$ = 0.2", r"$\mu_k$ = 0.3"]
+    drawn = [line for line in ax.lines if len(line.get_xdata())]
+    assert len({line.get_linestyle() for line in drawn}) == 3
+    assert len({line.get_marker() for line in drawn}) == 3
+    assert len({line.get_color() for line in drawn}) == 2
+    (ax,) = draw(both.isel(R=[0]), figure("curve", x="R")).axes  # of points the key has no line
+    keys = {line.get_label(): line for line in ax.lines if not len(line.get_xdata())}
+    assert {keys[sort].get_linestyle() for sort in sorts} == {"None"}
+    assert len({keys[sort].get_marker() for sort in sorts}) == 3
+
+
+def test_crossings_of_several_sorts_are_drawn_at_the_points_of_the_grid_alone():
+    """Nothing was computed between these: neither a mark nor a bend says that it was."""
+    one = data.crossings().isel(R=[0, 1, 0, 1, 0, 1, 0])
+    one = one.assign_coords(data.axes(R=np.arange(7.0)))
+    both = xr.concat([one, one.assign(critical_value=2 * one["critical_value"])], "mu_k")
+    (ax,) = draw(both.assign_coords(data.axes(mu_k=[0.2, 0.3])), figure("curve", x="R")).axes
+    drawn = [line.get_xdata() for line in ax.lines if len(line.get_xdata())]
+    assert len(drawn) == 6
+    for places in drawn:
+        assert set(places) <= set(range(7))
+
+
+def test_changes_between_motions_of_one_class_are_told_apart_by_their_answers():
+    """To a question about a number; elsewhere by their classes."""
+    answers, dims = ("no", "yes"), ("N0", "crossing")
+    dataset = data.boundaries().drop_vars("boundary_error")
+    dataset["answer_below"] = data.flags(dims, [["no"]] * 3, answers)
+    dataset["answer_above"] = data.flags(dims, [["yes"]] * 3, answers)
+    (ax,) = draw(dataset, figure("curve", variable="boundary")).axes
+    assert legend_texts(ax) == [
+        REST_ABOVE,
+        UNDECIDED_ABOVE,
+    ]
+    dataset["class_above"][:] = dataset["class_below"].values
+    dataset["class_above"][0] = data.codes(data.ATTRACTORS, "equilibrium")
+    (ax,) = draw(dataset, figure("curve", variable="boundary")).axes
+    assert ax.get_legend() is None
+    (line,) = [line for line in ax.lines if len(line.get_xdata()) == 3]
+    np.testing.assert_array_equal(line.get_xdata(), dataset["N0"].values)
+
+
+def test_crossings_are_joined_in_order_or_by_their_mode():
+    """Another mode crosses too at the second point, and at the last the modes' numbers differ."""
+    dataset = data.crossings().isel(crossing=[1, 1], R=[0, 0, 0, 0])
+    dataset = dataset.assign_coords(R=[1.0, 2.0, 3.0, 4.0])
+    dataset["critical_value"][:] = [[1.0, np.nan], [0.2, 1.1], [1.2, np.nan], [1.3, np.nan]]
+    dataset["crossing_mode"][:] = [[2, 0], [0, 2], [2, 0], [4, 0]]
+    (ax,) = draw(dataset, figure("curve")).axes
+    drawn = sorted(line.get_xydata().tolist() for line in ax.lines)
+    assert drawn == [[[1.0, 1.0], [2.0, 1.1], [3.0, 1.2], [4.0, 1.3]], [[2.0, 0.2]]]
+
+
+@pytest.mark.parametrize(
+    ("heights", "modes", "lines"),
+    [
+        (  # one mode ends between the first two points, and another begins
+            [[0.67, 0.98], [0.98, 4.9], [0.98, 1.8], [0.98, 1.5]],
+            [[0, 2], [2, 4], [2, 4], [2, 4]],
+            [[0.67], [0.98] * 4, [4.9, 1.8, 1.5]],
+        ),
+        (  # as many of the same mode, but not the same, for there was one more in all
+            [[0.38, 3.8], [10.7, np.nan], [5.9, np.nan], [5.1, np.nan]],
+            [[4, 6], [4, 0], [4, 0], [4, 0]],
+            [[0.38], [3.8], [10.7, 5.9, 5.1]],
+        ),
+        ([[1, 5], [1.1, 5.1], [1.2, 5.2], [1.3, 5.3]],  # the numbers of two modes change
+         [[0, 2], [2, 0], [2, 0], [2, 0]],
+         [[1, 1.1, 1.2, 1.3], [5, 5.1, 5.2, 5.3]]),
+    ],
+)  # fmt: skip
+def test_crossings_are_joined_only_as_far_as_they_can_be_followed(heights, modes, lines):
+    dataset = data.crossings().isel(crossing=[1, 1], R=[0, 0, 0, 0])
+    dataset = dataset.assign_coords(R=[1.0, 2.0, 3.0, 4.0])
+    dataset["critical_value"][:], dataset["crossing_mode"][:] = heights, modes
+    (ax,) = draw(dataset, figure("curve")).axes
+    assert sorted(line.get_ydata().tolist() for line in ax.lines) == lines
+
+
+def test_a_curve_of_boundaries_says_what_lies_below_and_above_and_how_well_it_is_known():
+    dataset = data.boundaries()
+    (ax,) = draw(dataset, figure("curve")).axes
+    assert legend_texts(ax) == [
+        REST_ABOVE,
+        UNDECIDED_ABOVE,
+        "error not known",
+    ]
+    np.testing.assert_array_equal(marks(ax, REST_ABOVE), [[20, 4], [30, 7]])
+    (bars,) = (bars.get_segments() for bars in ax.collections)
+    ends = [[[20, 3.9], [20, 4.1]], [[30, 6.8], [30, 7.2]]]
+    np.testing.assert_allclose(bars, ends)
+    unknown = marks(ax, f"_{UNDECIDED_ABOVE}, error not known")
+    np.testing.assert_array_equal(unknown, [[40, 10]])
+
+
+def test_a_curve_runs_along_the_longest_axis_unless_the_figure_says_otherwise():
+    dataset = data.stability_map(nx=3, ny=50)
+    drawn = draw(dataset, figure("curve", variable="L_s"))
+    assert drawn.axes[0].get_xlabel() == "normal preload $N_0$ (N)"
+    many = draw(dataset, figure("curve", variable="L_s", x="Omega"))
+    preloads = [text for text in legend_texts(many) if "N_0" in text and ":" not in text]
+    known = dataset["L_s"].notnull().any([d for d in dataset["L_s"].dims if d != "N0"])
+    ends = dataset["N0"].values[known.values][[0, -1]]
+    assert [preloads[0], preloads[-1]] == [f"$N_0$ = {end:.6g} N" for end in ends]
+
+
+def test_axes_that_advance_together_are_each_an_axis():
+    omega = data.bifurcation()["Omega"]
+    dataset = data.bifurcation().rename_dims(Omega="Omega_N0").drop_indexes("Omega")
+    dataset = dataset.assign_coords(N0=("Omega_N0", 10 * omega.values, {"units": "N"}))
+    omega_label = r"disc speed $\Omega$ (rad/s), $N_{0}$ with it"
+    for name, label in (("Omega", omega_label), ("N0", r"$N_{0}$ (N), $\Omega$ with it")):
+        (ax,) = draw(dataset, figure("curve", x=name)).axes
+        assert ax.get_xlabel() == label  # the other is not fixed
+        at = marks(ax, "far")[:, 0]
+        assert np.array_equal(at[np.isfinite(at)], dataset[name])
+    lines = draw(dataset.isel(Omega_N0=[0, 9]), figure("curve", x="initial", variable="L_s"))
+    assert "$\\Omega$ = 1.4 rad/s, $N_{0}$ = 14 N" in legend_texts(lines.axes[0])
+    drawn = draw(dataset, figure("curve", x="initial", select={"N0": 20}))
+    assert r"$\Omega$ = 2 rad/s" in drawn.get_suptitle()
+    assert list(summarise({"": dataset})["analyses"][""]["axes"]) == ["Omega", "initial", "N0"]
+
+
+def test_an_axis_of_names_is_drawn_at_its_names():
+    dataset = data.bifurcation().rename(Omega="geometry")
+    dataset = dataset.isel(geometry=[0, 1]).assign_coords(geometry=["linear", "nonlinear"])
+    dataset = dataset[["status", "attractor", "L_s"]]
+    (ax,) = draw(dataset, figure("curve", x="geometry")).axes
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["linear", "nonlinear"]
+
+
+def test_scales_and_limits_follow_the_figure():
+    drawn = draw(data.bifurcation(), figure("curve", log="x", xlim=[1, "120 rpm"], ylim=[0, 1]))
+    (ax,) = drawn.axes
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "linear")
+    assert ax.get_xlim() == pytest.approx((1, 4 * np.pi))
+    assert ax.get_ylim()[1] == 1
+
+
+@pytest.mark.parametrize("kind", ["bifurcation", "curve"])
+def test_the_ordinate_reaches_over_what_lies_between_the_limits(kind):
+    """Up to where a line is cut; gaps, and entries of the legend, are of what is seen."""
+    dataset = data.bifurcation()
+    asked = figure(kind, xlim=[2.03, 3.03], **{"variable": "L_s"} if kind == "curve" else {})
+    (ax,) = draw(dataset, asked).axes
+    low, high = (1e-4 * 2.03, 2e-4 * 3.03) if kind == "curve" else (0.0342, 0.058)
+    margin = 0.05 * (high - low)
+    assert ax.get_ylim()[1] == pytest.approx(high + margin)
+    assert low - 4.0 * margin < ax.get_ylim()[0] <= low - 0.99 * margin  # the gaps stand below
+    told = {"near", "far", "failed: far", "undecided: far", "value of an undecided motion"}
+    assert told & {*legend_texts(ax)} == {"near", "far", "failed: far"}
+    assert marks(ax, "failed: far").shape == (1, 2)
+    given = figure(kind, **asked.settings, ylim=[-1.0, 1.0])
+    assert draw(dataset, given).axes[0].get_ylim() == (-1.0, 1.0)
+    beyond = figure(kind, **asked.settings | {"xlim": [9.0, 10.0]})
+    assert not draw(dataset, beyond).findobj(Legend)
+
+
+def test_a_part_in_view_that_is_constant_is_drawn_as_one():
+    """But zero, above which modes grow, stays in the panel of their growth."""
+    dataset = data.bifurcation()
+    dataset["L_s"] = 0.03 + 1e-14 * dataset["Omega"] + (dataset["Omega"] < 2.0) * dataset["L_s"]
+    low, high = draw(dataset, figure("curve", variable="L_s", xlim=[2.5, 4.0])).axes[0].get_ylim()
+    assert low < 0.03 < high and high - low > 0.003
+    growth = draw(data.eigenvalues(), figure("eigenvalues", xlim=[0.2, 0.4])).axes[0]
+    low, high = growth.get_ylim()
+    assert -0.1 < low < -0.05 and 0.0 < high < 0.1
+
+
+def test_error_bars_in_view_have_room():
+    """The line leads from 4 at 20 N to 7 ± 0.2 at 30 N."""
+    asked = figure("curve", variable="boundary", xlim=[29.0, 35.0])
+    assert draw(data.boundaries(), asked).axes[0].get_ylim() == pytest.approx((6.675, 7.225))
+
+
+@pytest.mark.parametrize("log", ["x", "y", True])
+def test_what_has_no_logarithm_is_counted_and_no_limit_reaches_for_it(log, stored):
+    """Of speeds from -1 to 3.5 rad/s; L_s is zero at rest."""
+    dataset = data.bifurcation()
+    dataset["Omega"] = dataset["Omega"] - 1.5
+    drawn = draw(dataset, figure("curve", variable="L_s", log=log))
+    (ax,) = drawn.axes
+    save(drawn, "log.png")
+    told = [points for name in ("near", "far", "_far, value of an undecided motion")
+            for points in marks(ax, name) if np.isfinite(points).all()]  # fmt: skip
+    x, y = (of.values.ravel() for of in xr.broadcast(dataset["Omega"], dataset["L_s"]))
+    shown = ((x > 0.0) | (log == "y")) & ((y > 0.0) | (log == "x")) & np.isfinite(y)
+    assert sorted(map(tuple, told)) == sorted(zip(x[shown], y[shown], strict=True))
+    assert f"not above 0, not shown: {np.isfinite(y).sum() - shown.sum()}" in legend_texts(ax)
+    assert ax.dataLim.y0 == y[shown].min()
+    remark = f"not above 0, not shown: {np.isfinite(y).sum() - shown.sum()}"
+    assert f',"{remark}",,nan,nan' in as_csv(
+        drawn, Path("log.csv")
+    )  # nor are they in the table silently

@@ -1,0 +1,189 @@
+"""Eigenvalues and laws, drawn."""
+
+import numpy as np
+import pytest
+import synthetic_datasets as data
+import xarray as xr
+from plotted import figure, legend_texts, marks
+
+from fiv_cli.errors import UsageError
+from fiv_cli.friction import get_law
+from fiv_cli.plots import (
+    draw,
+    draw_laws,
+    look_of,
+)
+from fiv_cli.plots.law import force
+
+
+def test_modes_that_a_line_does_not_have_are_not_in_its_legend():
+    full = data.eigenvalues()
+    fewer = full.copy(deep=True)
+    for name in ("eigenvalue_real", "eigenvalue_imag", "mode_frequency"):
+        fewer[name][:, 2:] = np.nan
+    dataset = xr.concat([full, fewer], xr.Variable("geometry", ["nonlinear", "linear"]))
+    top, _ = draw(dataset, figure("eigenvalues")).axes
+    lines = {line.get_label() for line in top.lines}
+    assert {"_mode 2, nonlinear", "_mode 1, linear"} <= lines
+    assert "_mode 2, linear" not in lines
+    assert legend_texts(top)[:4] == ["mode 1", "mode 2", "nonlinear", "linear"]
+
+
+def test_frequencies_of_modes_come_in_the_unit_that_is_asked_for():
+    in_hertz, in_radians = (
+        draw(data.eigenvalues(), figure("eigenvalues", **unit)).axes[1]
+        for unit in ({}, {"unit": "rad/s"})
+    )
+    assert " ".join(in_radians.get_ylabel().split()) == "angular frequency of the mode (rad/s)"
+    drawn = (
+        [line for line in ax.lines if line.get_marker() != "X"] for ax in (in_hertz, in_radians)
+    )
+    for one, other in zip(*drawn, strict=True):
+        np.testing.assert_allclose(other.get_ydata(), 2.0 * np.pi * np.asarray(one.get_ydata()))
+
+
+def test_a_line_stands_where_modes_merge():
+    dataset = data.eigenvalues()
+    points = np.where(dataset["mu_k"].values[:, None] == 0.5, 0.5, np.nan) * np.ones(4)
+    dataset["coupling_point"] = (("mu_k", "mode"), points, {"along": "mu_k"})
+    top, bottom = draw(dataset, figure("eigenvalues")).axes
+    for ax in (top, bottom):
+        assert marks(ax, "_modes merge")[:, 0].tolist() == [0.5, 0.5]
+    dataset["coupling_point"].attrs["along"] = "F"
+    top, _ = draw(dataset, figure("eigenvalues")).axes
+    assert "modes merge" not in [line.get_label() for line in top.lines]
+    dataset["coupling_point"].attrs["along"] = "mu_k"
+    apart = dataset.assign(coupling_point=dataset["coupling_point"] * np.nan)
+    laws = xr.Variable("friction", ["coulomb", "stribeck"])
+    top, _ = draw(xr.concat([dataset, apart], laws), figure("eigenvalues")).axes
+    assert marks(top, "_modes merge, coulomb")[:, 0].tolist() == [0.5, 0.5]
+    assert "_modes merge" not in [line.get_label() for line in top.lines]
+    moved = dataset.assign(coupling_point=dataset["coupling_point"] + 0.1)
+    top, _ = draw(xr.concat([dataset, moved], laws), figure("eigenvalues")).axes
+    merging = {line.get_label(): line for line in top.lines if "merge" in line.get_label()}
+    looks = [merging[f"_modes merge, {law}"].get_linestyle() for law in laws.values]
+    assert looks == ["-", "--"]
+    merge = [text for text in legend_texts(top) if "merge" in text]
+    assert merge == ["modes merge"]  # the dashes say whose it is
+
+
+@pytest.mark.parametrize(("apart", "one"), [(1e-5, True), (0.01, False)])
+def test_mergers_that_interpolation_does_not_tell_apart_are_one(apart, one):
+    """Of points 0.025 apart: of another pair of modes, and at another value of another axis."""
+    dataset = data.eigenvalues()
+    points = np.where(dataset["mu_k"].values[:, None] == 0.5, 0.5, np.nan) * np.ones(4)
+    dataset["coupling_point"] = (("mu_k", "mode"), points, {"along": "mu_k"})
+    pairs = dataset.assign(coupling_point=dataset["coupling_point"] + [0.0, 0.0, apart, apart])
+    top, _ = draw(pairs, figure("eigenvalues")).axes
+    drawn = [line for line in top.lines if "_modes merge" in line.get_label()]
+    assert len(drawn) == (1 if one else 2)
+    moved = dataset.assign(coupling_point=dataset["coupling_point"] + apart)
+    laws = xr.Variable("friction", ["coulomb", "stribeck"])
+    top, _ = draw(xr.concat([dataset, moved], laws), figure("eigenvalues")).axes
+    assert ("_modes merge" in [line.get_label() for line in top.lines]) == one
+
+
+def test_of_many_modes_the_legend_names_some():
+    few = data.eigenvalues().isel(mode=[0] * 20).drop_vars("mode_frequency", errors="ignore")
+    many = few.assign(mode_frequency=data.eigenvalues()["mode_frequency"].isel(mode=[0] * 20))
+    top, _ = draw(many, figure("eigenvalues")).axes
+    told = [text for text in legend_texts(top) if text.startswith("mode")]
+    assert len(told) == 6 and (told[0], told[-1]) == ("mode 1", "mode 20")
+
+
+def test_eigenvalues_mark_every_unstable_point():
+    dataset = data.eigenvalues()
+    top, bottom = draw(dataset, figure("eigenvalues")).axes
+    unstable = int(((dataset["eigenvalue_real"] > 0) & (dataset["eigenvalue_imag"] > 0)).sum())
+    for ax in (top, bottom):
+        assert (
+            sum(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o") == unstable
+        )
+    assert top.get_ylabel().replace("\n", " ") == "real part of the eigenvalue (rad/s)"
+    assert bottom.get_ylabel() == "frequency of the mode (Hz)"
+    assert bottom.get_xlabel() == r"coefficient of kinetic friction $\mu_k$"
+    assert marks(bottom, "failed")[:, 0] == pytest.approx([0.175])
+
+
+def test_the_dashes_of_several_lines_of_a_mode_are_seen_where_it_is_unstable():
+    laws = xr.Variable("friction", ["coulomb", "stribeck"])
+    both = xr.concat([data.eigenvalues()] * 2, laws)
+    unstable = (both["eigenvalue_real"] > 0.0) & (both["eigenvalue_imag"] > 0.0)
+    for ax in draw(both, figure("eigenvalues")).axes:
+        dashed = [line for line in ax.lines if "_mode " in line.get_label()]
+        bands = [line for line in ax.lines if line.get_marker() == "o" and line.get_xydata().size]
+        assert max(band.get_zorder() for band in bands) < min(line.get_zorder() for line in dashed)
+        assert sum(np.isfinite(band.get_ydata()).sum() for band in bands) == int(unstable.sum())
+
+
+def test_a_mode_can_be_selected_by_its_number():
+    dataset = data.eigenvalues().assign_coords(mode=range(4))
+    top, _ = draw(dataset, figure("eigenvalues", select={"mode": 2})).axes
+    assert np.array_equal(
+        marks(top, "_mode = 2")[:, 1], dataset["eigenvalue_real"][:, 2], equal_nan=True
+    )
+    assert len([text for text in legend_texts(top) if text.startswith("mode")]) == 1
+
+
+def test_modes_are_counted_as_modes_not_as_eigenvalues():
+    top, _ = draw(data.eigenvalues(), figure("eigenvalues")).axes
+    assert legend_texts(top)[:2] == ["mode 1", "mode 2"]
+
+
+@pytest.mark.parametrize(
+    ("name", "velocity", "expected"),
+    [
+        ("coulomb", [0.5, 2.0], [0.3, 0.3]),
+        ("coulomb", [-2.0, -0.5], [-0.3, -0.3]),
+        ("stribeck", [1.0], [0.3 + 0.1 * np.exp(-1)]),
+        ("hyperbolic", [1.0], [0.1]),
+        ("tanh of coulomb", [-0.02], [-0.3 * np.tanh(1.0)]),
+        ("linear-slope", [-1.0], [-9.9]),
+    ],
+)
+def test_laws_are_drawn_as_they_are_written(name, velocity, expected):
+    law = get_law(name)
+    assert force(law, np.array(velocity), law.defaults) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("width", [84.0, 160.0])
+def test_a_legend_of_laws_stays_on_the_page(width):
+    drawn = draw_laws(["coulomb", "stribeck:v_s=0.05", "lugre"], look_of("paper", width=width))
+    drawn.canvas.draw()
+    box = drawn.legends[0].get_window_extent()
+    assert box.x0 >= 0.0 and box.x1 <= drawn.bbox.x1 and box.y0 >= 0.0
+
+
+def test_a_law_of_a_coefficient_and_one_of_a_force_have_their_own_axis():
+    assert draw_laws(["coulomb"]).axes[0].get_ylabel() == "$F_T/F_N$"
+    assert draw_laws(["linear-slope"]).axes[0].get_ylabel() == "$F_T$ (N)"
+    with pytest.raises(UsageError, match="no axis"):
+        draw_laws(["coulomb", "linear-slope"])
+
+
+def test_what_a_contact_holds_in_stick_is_drawn():
+    (ax,) = draw_laws(["coulomb"]).axes
+    dotted = [line for line in ax.lines if line.get_linestyle() == ":" and len(line.get_xdata())]
+    assert list(dotted[0].get_ydata()) == [-0.4, 0.4]
+
+
+def test_laws_are_drawn_with_the_parameters_that_are_given():
+    wanted = ["stribeck:v_s=5 cm/s, mu_s=0.5", "stribeck", "exponential:mu_s=0.6"]
+    (ax,) = draw_laws(wanted, fastest=0.1).axes
+    drawn = [line for line in ax.lines if len(line.get_xdata()) > 2][1::2]  # of positive speed
+    ends = [(line.get_ydata()[0], line.get_ydata()[-1]) for line in drawn]
+    expected = [(0.5, 0.3 + 0.2 * np.exp(-2.0)), (0.4, 0.3 + 0.1 * np.exp(-0.1)), (0.6, None)]
+    for found, (begun, ended) in zip(ends, expected, strict=True):
+        assert found[0] == pytest.approx(begun)
+        assert ended is None or found[1] == pytest.approx(ended, rel=1e-3)
+    assert len({line.get_linestyle() for line in ax.lines}) > 2
+    for wrong, said in (("stribeck:vs=1", "did you mean 'v_s'"), ("stribeck:v_s=-1", "> 0")):
+        with pytest.raises(UsageError, match=said):
+            draw_laws([wrong])
+
+
+def test_unknown_laws_and_kinds_are_named():
+    with pytest.raises(UsageError, match="did you mean 'coulomb'"):
+        draw_laws(["columb"])
+    with pytest.raises(UsageError, match=r"there are: map"):
+        draw(data.bifurcation(), figure("pie"))
