@@ -15,6 +15,7 @@ from matplotlib.colors import BoundaryNorm, LogNorm, to_hex
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
+from matplotlib.text import Annotation
 from plotted import corners, figure, legend_texts, marks, run
 
 from fiv_cli import api
@@ -209,12 +210,17 @@ def test_a_legend_has_no_more_columns_than_its_rows_need():
     [(85.0, 1.2345e-7, False), (90.0, 0.0, True), (240.0, 1e-9, True)],
 )
 def test_levels_are_written_where_a_panel_is_large_beside_them(width, more, is_on_its_line):
-    """Along their lines; of a line that is too short, upright beside it."""
+    """Along their lines; of a line that is too short, upright beside it, with a stroke to it."""
     dataset = data.stability_map()
     asked = figure("map", variable="L_s", level=[0.0005 + more, 0.001])
     drawn = draw(dataset, asked, look=look_of("paper", width=width))
     turned = [text.get_rotation() != 0.0 for text in drawn.axes[0].texts]
     assert turned and any(turned) == is_on_its_line
+    feet = [text.xy for text in drawn.axes[0].texts if isinstance(text, Annotation)]
+    (lines,) = drawn.findobj(ContourSet)[:1]
+    corners_ = np.concatenate([piece for own in lines.allsegs for piece in own])
+    assert bool(feet) != is_on_its_line
+    assert all(np.abs(corners_ - foot).max(axis=1).min() < 0.1 for foot in feet)
     assert any("0.0005" in text.get_text() for text in drawn.legends[0].get_texts())
 
 

@@ -68,8 +68,8 @@ FIGURES = {
         "what motions pass at the section and where they rest, along an axis, of a `response` or a "
         "`cycle`; with the equilibria, stable or not, where the case has `eigenvalues`, too (and, "
         "without a `response`, `equilibrium`; where these turn is read between the points unless "
-        "it has `critical`), and the cycles of a `cycle` on the same section (of "
-        "unstable ones on another their extremes)",
+        "the file of a `critical` is drawn with it), and the cycles of a `cycle` on the same "
+        "section (of unstable ones on another their extremes)",
         ("x", "variable"),
     ),
     "curve": (

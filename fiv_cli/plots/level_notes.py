@@ -273,9 +273,18 @@ def _ends_beside_rows(values: np.ndarray, unsure: np.ndarray, level: float) -> i
 def beside(plane: np.ndarray, level: float) -> str:
     """On which side of the level a plane lies, or its parts; nothing where a line leads through."""
     sides = {side(part, level) for part in plane} - {NOT_KNOWN}
-    if sides & {"", ALONE}:
-        return "" if "" in sides else ALONE
-    return IN_A_JUMP if len(sides) > 1 else "".join(sides) or NOT_KNOWN
+    if "" in sides or len(sides) < 2:
+        return "" if "" in sides else "".join(sides) or NOT_KNOWN
+    return IN_A_JUMP if _jumps_over(*plane, level=level) else ALONE
+
+
+def _jumps_over(one: np.ndarray, other: np.ndarray, *, level: float) -> bool:
+    """Whether a point of one part and a neighbour of the other lie on either side of the level."""
+    of_one, of_other = (
+        np.where(np.isfinite(part), np.where(part > level, 1, -1), 0) for part in (one, other)
+    )
+    turned = ((np.rot90(of_one, turns), np.rot90(of_other, turns)) for turns in range(4))
+    return any(bool((here[1:] * there[:-1] < 0).any()) for here, there in turned)
 
 
 def side(part: np.ndarray, level: float) -> str:

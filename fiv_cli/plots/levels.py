@@ -53,6 +53,7 @@ ENOUGH = 0.5  # of these heights, by which another line is further off: then rat
 WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (0, 1)], float)
 PAD = 0.25  # around a level that is written, in heights of its letters
 WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.5}
+STROKE: Any = {"arrowstyle": "-", "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0}
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 OVER_MARKS = 4.5
 LEAST_PERIODS = 1.6  # of dashes that a piece of a line shows
@@ -325,7 +326,7 @@ def _write_beside(
     """Write a level beside its longest line, which is too short to have it on it; whether it does.
 
     Next to its middle, or where else it lies upon no line and no other level, and nearer to its own
-    line than to `others`, and upon none of the `marks`.
+    line than to `others`, and upon none of the `marks`; with a stroke to the line.
     """
     height, half, pixels = _height(ax), _half_of(ax, text), ax.transData.transform
     own, far, hidden = (_lying(ax, pieces) for pieces in (_pieces(lines), others, marks))
@@ -343,10 +344,13 @@ def _write_beside(
     off = np.round(gaps[0] / (BY * height))  # what is off its line may be of another
     near = -np.minimum(gaps[1] - gaps[0], ENOUGH * height)
     best = np.flatnonzero(free)[np.lexsort([key[free] for key in (near, off)])[:1]]
-    for x, y in ax.transData.inverted().transform(places[best]):
+    for place in places[best]:
+        nearest = own[np.linalg.norm(own - place, axis=1).argmin()]
+        here, foot = map(tuple, ax.transData.inverted().transform([place, nearest]).tolist())
+        colour, size = lines.get_edgecolor()[0], mpl.rcParams["legend.fontsize"]
         look = {"ha": "center", "va": "center", "bbox": WHITE, "zorder": OVER_MARKS}
-        size = mpl.rcParams["legend.fontsize"]
-        ax.text(x, y, text, fontsize=size, color=lines.get_edgecolor()[0], **look)
+        ax.annotate(text, foot, here, fontsize=size, color=colour,
+                    arrowprops={**STROKE, "color": colour}, **look)  # fmt: skip
     return bool(free.any())
 
 
