@@ -460,6 +460,17 @@ def test_a_line_without_value_and_lines_of_all_have_entries_beside_colours_and_d
     assert legend_texts(drawn) == [*PRELOADS, both, "contact = 1", "contact = 2", none]
 
 
+def test_two_variables_from_two_starts_that_lead_to_the_same_for_a_while_have_two_colours():
+    found = over_preloads((10.0,), ("a", "b")).isel(N0=0)
+    same = found["L_s"].isel(initial=[0, 0]).assign_coords(initial=found["initial"])
+    later = found["Omega"] > found["Omega"].values[len(found["Omega"]) // 2]
+    found["L_s"] = found["L_s"].where(later, same).assign_attrs(found["L_s"].attrs)
+    found["other"] = (2.0 * found["L_s"]).assign_attrs(units="rad2", long_name="other")
+    asked = figure("curve", x="Omega", variable=["L_s", "other"])
+    (ax,) = draw(found, asked).axes
+    assert len(legend_texts(ax)) == 4 and len({*looks_of(ax, "color").values()}) == 2
+
+
 @pytest.mark.parametrize(
     ("preloads", "starts", "asked", "entries"),
     [

@@ -275,13 +275,15 @@ def _lines(shown: _Shown) -> Iterator[tuple[int, Curve]]:
 def _told_by_dashes(drawn: Sequence[tuple[int, Curve]], bare: Sequence[int]) -> str:
     """The dim whose words dashes tell, and colours those of all others; "" where none is.
 
-    It leaves fewer entries than lines; better one that not all panels have, and of few values. In
-    `bare` panels, and among members of random starts, no dashes are seen; beside branches they tell
-    what is stable.
+    It leaves fewer entries than lines, or as many where some starts lead to the same: one colour is
+    seen beneath another, and two sorts of dashes are a tangle. Better is one that not all panels
+    have, and of few values. In `bare` panels, and among members of random starts, no dashes are
+    seen; beside branches they tell what is stable.
     """
     if any(one.sort for _, one in drawn):
         return ""
     names, fit = {points.stem(one.label) for _, one in drawn}, {}
+    most = len(names) + _coincide(drawn)
     for dim in dict.fromkeys(chain(*(one.words for _, one in drawn))):
         told = [(place, one) for place, one in drawn if one.words.get(dim)]
         panels = {place for place, _ in told}
@@ -292,7 +294,7 @@ def _told_by_dashes(drawn: Sequence[tuple[int, Curve]], bare: Sequence[int]) -> 
         few = len(names) <= len(style.LINES)  # that colours tell all of
         hidden = dim == "initial" and few and _coincide(told)
         unfit = unseen or mixed or hidden
-        if 0 < len(sorts) <= len(style.DASHES) and count < len(names) and not unfit:
+        if 0 < len(sorts) <= len(style.DASHES) and count < most and not unfit:
             fit[dim] = len(panels), len(sorts)
     return min(fit, key=lambda dim: fit[dim], default="")
 
