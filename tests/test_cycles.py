@@ -875,6 +875,24 @@ def test_a_cycle_shrinks_to_rest_within_the_error(c: float, width: float) -> Non
     assert abs(told - 0.1 * log(100.0 / c)) <= error <= max(width, 1e-9)
 
 
+@pytest.mark.parametrize("width", [1e-6, 1e-9])
+def test_a_branch_that_rounding_opens_on_its_way_to_rest_ends_at_the_hopf_point(
+    width: float,
+) -> None:
+    """Where eigenvalues cross, though the last cycle found lies 5e-6 beside: no fold."""
+    model = {"name": "flutter-2dof", "parameters": {"c1": 0.05, "c2": 0.2}}
+    model["options"] = {"states": "all"}
+    law = {"law": "stribeck", "mu_s": 2.5, "mu_k": 1.2, "v_s": 0.2}
+    asked = {"parameter": "mu_k", "bracket": [0.82, 2.5]}
+    found = cycle_case(model, law, {"x_dot": "v"}, **asked, t_max=500.0, width=width)
+    critical = {"schema": 1, "model": model, "friction": law}
+    critical |= {"analysis": [{"kind": "critical", **asked}]}
+    (hopf,) = api.run(api.load(critical), workers=1)["critical_value"].values
+    assert api.names_of(found["cycle_end_kind"]).values[-1] == "equilibrium"
+    told, error = (found[f"cycle_end{of}"].values[-1] for of in ("", "_error"))
+    assert abs(told - hopf) <= error <= 1e-8
+
+
 def test_a_grazing_says_which_event_of_which_contact_enters_or_leaves() -> None:
     """Of two coupled masses the one without a load never sticks; it overtakes the belt below the
     speed at which it would be as fast, which cycles beside it show."""

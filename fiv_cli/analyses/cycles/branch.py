@@ -83,6 +83,8 @@ STEEP = 0.3  # a direction with more of the parameter in it than this is well of
 UPRIGHT = 0.1  # a direction with less of the parameter in it than this is about to turn
 LEVEL = 1e-8  # ... and with less than this does so by rounding: the branch stands upright there
 SHRUNK = 1e-2  # a cycle this much smaller than the first one may be about to vanish
+LARGER = (1.2, 1.5)  # times as large are those by which its place is told, if not by neighbours ...
+SETTLED = 0.1  # ... and told alike: within this share of the way there
 CLOSE_TO_ONE = 0.05  # a multiplier may pass 1 within a step from there
 ON_CIRCLE = 0.5  # a multiplier's angle closer to 0 or pi than this is that of a real one
 
@@ -628,15 +630,42 @@ def _known_end(line: Continuation, first: Point, points: list[Point]) -> End | N
         return End(here.value, 0.0, AT_EDGE, way_of(here), False)
     if len(points) > 1 and _passes(line, first, points[-2], here):
         return End(first.value, 0.0, CLOSED, way_of(here), False)
-    sizes = [float(np.max(p.cycle.scales / first.cycle.scales)) for p in points[-2:]]
-    if sizes[-1] > SHRUNK or len(points) < 2 or sizes[1] >= sizes[0]:
+    rest = _rest_ahead(first, *points[-2:]) if len(points) > 1 else np.nan
+    if not abs(rest - here.value) <= line.width:
         return None
-    # Towards a Hopf point the parameter goes as the square of the amplitude.
-    share = sizes[1] ** 2 / (sizes[0] ** 2 - sizes[1] ** 2)
-    rest = share * (here.value - points[-2].value)
-    if abs(rest) > line.width:
+    return End(rest, abs(rest - here.value), AT_REST, way_of(here), False, here)
+
+
+def _size(first: Point, point: Point) -> float:
+    """Of a cycle, relative to the first."""
+    return float(np.max(point.cycle.scales / first.cycle.scales))
+
+
+def _rest_ahead(first: Point, before: Point, here: Point) -> float:
+    """The parameter at which cycles that shrink are at rest; NaN where they do not, or are large.
+
+    Towards a Hopf point it goes as the square of the amplitude.
+    """
+    larger, smaller = (_size(first, point) for point in (before, here))
+    if smaller > SHRUNK or smaller >= larger:
+        return np.nan
+    share = smaller**2 / (larger**2 - smaller**2)
+    return here.value + share * (here.value - before.value)
+
+
+def _at_rest(walk: _Walk, here: Point) -> End | None:
+    """The end where cycles that shrink are at rest, by two before the last that are larger.
+
+    None where they tell two places, as towards a fold.
+    """
+    size, places = _size(walk.first, here), []
+    for times in LARGER:
+        before = (p for p in reversed(walk.points) if _size(walk.first, p) >= times * size)
+        places.append(_rest_ahead(walk.first, next(before, here), here))
+    rest, other = places
+    if not abs(rest - other) <= SETTLED * abs(rest - here.value):
         return None
-    return End(here.value + rest, abs(rest), AT_REST, way_of(here), False, here)
+    return End(rest, FURTHER * abs(rest - other), AT_REST, way_of(here), False, here)
 
 
 def _passes(line: Continuation, first: Point, before: Point, here: Point) -> bool:
@@ -803,13 +832,16 @@ def _last_end(line: Continuation, walk: _Walk) -> End:
     """What ends the branch between its last cycle and the step from there that fails.
 
     A step fails too where the cycle foreseen lies beyond a grazing that the branch runs along, and
-    would meet later: by as much as closer steps move the end, it may be off.
+    would meet later: by as much as closer steps move the end, it may be off. And it fails where
+    cycles shrink to rest and rounding opens them before the parameter is as close as asked.
     """
     here, length = closer(line, walk.here, walk.length)
     value = middle_of(line, here, length)
     moved = abs(value - middle_of(line, walk.here, walk.length))
-    width = 0.5 * reach_of(line, here, length) + moved
-    return End(value, width, _kind_of_end(line, here), way_of(here), False, here, walk.well)
+    width, kind = 0.5 * reach_of(line, here, length) + moved, _kind_of_end(line, here)
+    if kind in (FOLD, OTHER, AT_REST) and (rest := _at_rest(walk, here)):
+        return rest
+    return End(value, width, kind, way_of(here), False, here, walk.well)
 
 
 def closer(line: Continuation, here: Point, length: float) -> tuple[Point, float]:
