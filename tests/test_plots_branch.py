@@ -279,10 +279,13 @@ def test_a_point_without_a_branch_leaves_the_others_in_a_diagram(tmp_path: Path)
 
 
 def test_equilibria_change_where_a_branch_ends_at_one(fluttering: tuple[Any, Any]) -> None:
-    """Not midway between the points of the grid, where no critical value is drawn with them."""
+    """Or, where no branch is drawn with them, where a line between growth rates is zero."""
     found, cycles = fluttering
     (diagram,) = [one for one in default_figures(found) if one.kind == "bifurcation"]
-    for datasets, change in (([found, cycles], 4.38133283987), ([found], 4.5)):
+    growth = found["eigenvalues"]["growth_rate"]
+    between = float(np.interp(0.0, growth.values, growth["mu_k"].values))
+    assert abs(between - 4.38133283987) < 0.07  # of points that are 1 apart
+    for datasets, change in (([found, cycles], 4.38133283987), ([found], between)):
         (ax,) = draw([("", one) for one in datasets], diagram).axes
         lines = {str(line.get_label()).removeprefix("_"): line for line in ax.lines}
         stable, unstable = (

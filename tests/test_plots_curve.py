@@ -460,6 +460,24 @@ def test_a_line_without_value_and_lines_of_all_have_entries_beside_colours_and_d
     assert legend_texts(drawn) == [*PRELOADS, both, "contact = 1", "contact = 2", none]
 
 
+@pytest.mark.parametrize(("starts", "told"), [(6, True), (5, False)])
+def test_a_line_beneath_more_than_can_be_seen_is_told(starts, told):
+    """Each start is not known at a place of its own, so none is drawn as another; beneath three
+    others a line is four times as wide."""
+    found = data.bifurcation()[["status", "attractor", "L_s"]].isel(initial=[1] * starts)
+    dataset = found.assign_coords(initial=[*"abcdef"[:starts]])
+    places = np.arange(dataset.sizes["Omega"])[:, None] // 2
+    known = places % 12 != np.arange(starts) * 2
+    dataset["L_s"] = (dataset["Omega"] + 0.0 * dataset["L_s"]).where(known)
+    dataset["attractor"] = dataset["attractor"] * 0 + data.codes(data.ATTRACTORS, "periodic")
+    drawn = draw(dataset, figure("curve", x="Omega", variable="L_s"))
+    notes = [note for note in style.notes_on(drawn) if note.startswith("a: its line lies beneath")]
+    assert bool(notes) == told
+    first = [one for one in drawn.axes[0].lines if to_hex(one.get_color()) == style.BLUE.lower()]
+    widths = [one.get_linewidth() / style.SETTINGS["lines.linewidth"] for one in first]
+    assert max(widths) == pytest.approx(4.0)
+
+
 def test_two_variables_from_two_starts_that_lead_to_the_same_for_a_while_have_two_colours():
     found = over_preloads((10.0,), ("a", "b")).isel(N0=0)
     same = found["L_s"].isel(initial=[0, 0]).assign_coords(initial=found["initial"])

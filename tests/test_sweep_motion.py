@@ -168,6 +168,10 @@ def test_a_settled_motion_repeats_itself_after_each_of_its_periods() -> None:
     assert np.ptp(path[0]) > 1.0
     for number in (1, 2, 3):
         np.testing.assert_allclose(path[:, 1000 * number], path[:, 0], atol=1e-8)
+    finer = api.history(case, periods=3, settled=True, sample=0.0123)["time"].values
+    steps = np.diff(finer)  # the last no shorter: a spectrum needs whole periods
+    assert finer[-1] == pytest.approx(3 * period, rel=1e-12)
+    assert np.ptp(steps) < 1e-9 and 0.0122 < steps.mean() <= 0.0123
     assert motion.attrs["point"] == "v=1.0, c=0.0, initial=far, settled"
     assert motion.attrs["steady_state"] == "periodic"
 

@@ -35,7 +35,8 @@ FAILED = 4
 @click.option(
     "--sample",
     metavar="TIME",
-    help="Interval of the samples, s. Default: t_end / 2000, or the period / 1000.",
+    help="Interval of the samples, s. Default: t_end / 2000, or the period / 1000; with --periods "
+    "the next shorter one that divides these.",
 )
 @click.option(
     "--periods", type=float, metavar="N", help="End after N periods of the steady state instead."

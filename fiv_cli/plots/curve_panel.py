@@ -57,6 +57,7 @@ def draw_panel(
     for place, (curve, entry) in enumerate(_black_where_plain(lines)):
         later = lines[place + 1 :]
         upon = sum((_upon(other, (curve, entry)) for other in later), 0 * curve.x)
+        style.add_notes(ax.figure.figure, [*_hidden(curve, upon)])
         # along the axis more would be a bar
         upon[(curve.y == 0.0) & (upon > branch.MOST_BENEATH)] = 0
         # lines of classes lie on one another: each is moved a little
@@ -75,6 +76,16 @@ def draw_panel(
     _name_unsure(ax)
     _name_values(ax, [*variables.values()])
     return barred
+
+
+def _hidden(curve: Curve, upon: np.ndarray) -> Iterator[str]:
+    """What to do about a line on all of which more lines run than it may be wide for."""
+    sure = np.isfinite(curve.y) & ~curve.open & ~curve.is_wide
+    if curve.label and sure.any() and (upon[sure] > branch.MOST_BENEATH).all():
+        yield (
+            f"{curve.label}: its line lies beneath {upon[sure].min()} others that have the same "
+            "values; select in the figure draws some of them alone"
+        )
 
 
 def _name_sorts(ax: Axes, curves: Sequence[Curve]) -> None:
@@ -192,17 +203,19 @@ def _plot(
     if curve.is_branch and curve.dash == "-":  # it is seen beneath what starts lead to
         look["lw"] = _width(2)
     known = np.where(curve.open, np.nan, y)
-    hidden = np.where(upon > 0, known, np.nan)
-    x, cut, beneath = (np.insert(one, curve.jumps, np.nan) for one in (curve.x, known, hidden))
+    x, cut = (np.insert(one, curve.jumps, np.nan) for one in (curve.x, known))
     dash = curve.dash if curve.sort else entry.dash
     label = points.unlisted(entry.label, curve.sort) if curve.sort else entry.label
     way = curve.whole_way + shift
     if not apart:
         seen = _marked_where_seen(ax, way, most, curve.short)
         look |= seen if curve.is_marked else {"marker": "None"}
-    if upon.any() and not apart:
-        wide = _width(1 + min(upon.max(), branch.MOST_BENEATH))
-        ax.plot(x, beneath, ls=dash, lw=wide, color=entry.colour, label=DECORATION)
+    for count in (
+        range(1, 1 + min(int(upon.max(initial=0)), branch.MOST_BENEATH)) if not apart else ()
+    ):
+        beneath = np.insert(np.where(upon >= count, known, np.nan), curve.jumps, np.nan)
+        wide: dict[str, Any] = {"lw": _width(1 + count), "color": entry.colour}
+        ax.plot(x, beneath, ls=dash, label=DECORATION, **wide)
     if curve.way.size and not apart:
         ax.plot([], [], ls=dash, label=label, **look)
         ax.plot(x, way, ls=dash, label=DECORATION, **{**look, "marker": "None"})

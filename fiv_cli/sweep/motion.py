@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from itertools import groupby
+from math import ceil
 from operator import itemgetter
 from pathlib import Path
 from shlex import quote
@@ -47,6 +48,7 @@ MOST_NAMED = 12
 """Values of an axis that a message names."""
 
 SAMPLES_A_PERIOD = 1000
+WHOLE = 1e-9  # relative: so many samples are a whole number of them
 
 NO_BRANCH = {"parameter": None, "bracket": None}
 
@@ -436,7 +438,11 @@ def _continued(alone: AnalysisPlan) -> AnalysisPlan:
 def _over_periods(
     settings: Mapping[str, float], found: _SteadyState, periods: float, cycles: bool
 ) -> Mapping[str, float]:
-    """The settings of a history over so many periods of the steady state that is reached."""
+    """The settings of a history over so many periods of the steady state that is reached.
+
+    Samples are as far apart as is asked for, or less, so that one is at the end: a spectrum of a
+    record that is not whole has other lines.
+    """
     if not np.isfinite(found.period):
         is_open = found.what == "undecided"
         why = f" ({found.reason}: {advice(found.reason)})" * is_open
@@ -444,7 +450,11 @@ def _over_periods(
             f"--periods: the steady state has no period: its class is {found.what}{why}\n"
             f"next: --settled --t-end TIME, or another point{f'; {MOTION_OF_A_CYCLE}' * cycles}"
         )
-    return {"sample": found.period / SAMPLES_A_PERIOD, **settings, "t_end": periods * found.period}
+    t_end = periods * found.period
+    if "sample" not in settings:
+        return {**settings, "sample": found.period / SAMPLES_A_PERIOD, "t_end": t_end}
+    count = max(1, ceil(t_end / settings["sample"] * (1.0 - WHOLE)))
+    return {**settings, "sample": t_end / count, "t_end": t_end}
 
 
 def _settings(case: Case) -> dict[str, Any]:
