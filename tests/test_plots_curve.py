@@ -4,6 +4,7 @@ import csv
 from itertools import product
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import synthetic_datasets as data
@@ -30,6 +31,8 @@ from fiv_cli.plots import (
     save,
     style,
 )
+from fiv_cli.plots.curve_lines import Curve
+from fiv_cli.plots.curve_panel import _hidden, _plot
 from fiv_cli.plots.drawn import as_csv, in_one_line
 from fiv_cli.plots.style import (
     BLACK,
@@ -460,22 +463,24 @@ def test_a_line_without_value_and_lines_of_all_have_entries_beside_colours_and_d
     assert legend_texts(drawn) == [*PRELOADS, both, "contact = 1", "contact = 2", none]
 
 
-@pytest.mark.parametrize(("starts", "told"), [(6, True), (5, False)])
-def test_a_line_beneath_more_than_can_be_seen_is_told(starts, told):
-    """Each start is not known at a place of its own, so none is drawn as another; beneath three
-    others a line is four times as wide."""
-    found = data.bifurcation()[["status", "attractor", "L_s"]].isel(initial=[1] * starts)
-    dataset = found.assign_coords(initial=[*"abcdef"[:starts]])
-    places = np.arange(dataset.sizes["Omega"])[:, None] // 2
-    known = places % 12 != np.arange(starts) * 2
-    dataset["L_s"] = (dataset["Omega"] + 0.0 * dataset["L_s"]).where(known)
-    dataset["attractor"] = dataset["attractor"] * 0 + data.codes(data.ATTRACTORS, "periodic")
-    drawn = draw(dataset, figure("curve", x="Omega", variable="L_s"))
-    notes = [note for note in style.notes_on(drawn) if note.startswith("a: its line lies beneath")]
-    assert bool(notes) == told
-    first = [one for one in drawn.axes[0].lines if to_hex(one.get_color()) == style.BLUE.lower()]
-    widths = [one.get_linewidth() / style.SETTINGS["lines.linewidth"] for one in first]
-    assert max(widths) == pytest.approx(4.0)
+@pytest.mark.parametrize(
+    ("upon", "widths"),
+    [([4, 4, 5, 9], [2, 3, 4]), ([3, 3, 5, 9], [2, 3, 4]), ([0, 2, 2, 0], [2, 3])],
+)
+def test_a_line_is_as_wide_as_what_runs_upon_it_and_told_where_nothing_of_it_is_seen(upon, widths):
+    """The last point is not sure; four lines upon one another are seen."""
+    x, y = np.arange(4.0), np.array([1.0, 2.0, 3.0, 4.0])
+    unsure = np.array([False, False, False, True])
+    curve = Curve({"initial": "a"}, x, y, unsure, (y, y), 0.0 * x)
+    notes = [*_hidden(curve, np.array(upon))]
+    assert [note.split(" others")[0] for note in notes] == (
+        ["a: its line lies beneath 4"] if min(upon) > 3 else []
+    )
+    _, (ax,) = style.new_panels(1, 1, "")
+    entry = points.Entry(style.BLUE, "-", "a", 0, scattered=False)
+    _plot(ax, curve, 0.0, entry, False, 4, np.array(upon))
+    drawn = {one.get_linewidth() / mpl.rcParams["lines.linewidth"] for one in ax.lines}
+    assert sorted(drawn) == pytest.approx([1, *widths])
 
 
 def test_two_variables_from_two_starts_that_lead_to_the_same_for_a_while_have_two_colours():
