@@ -420,10 +420,13 @@ def test_of_lines_along_the_axis_two_beneath_the_last_are_seen(starts):
             for n, name in ((0.0, "x_rms"), (9.0, "y_rms"))}  # fmt: skip
     dataset = data.response(classes, values + 1.0, axes).assign(both)
     ax = draw(dataset, figure("curve", variable=["L_s", *both])).axes[1]
-    along = [one for one in ax.lines if 0.0 in one.get_ydata()]
+    along = sorted(
+        (one for one in ax.lines if 0.0 in one.get_ydata()), key=lambda one: one.get_linewidth()
+    )
+    widest = {one.get_color(): one for one in along}.values()
     for times in (2.0, 3.0):
         width = times * style.SETTINGS["lines.linewidth"]
-        wide = [one.get_ydata() for one in along if one.get_linewidth() == width]
+        wide = [one.get_ydata() for one in widest if one.get_linewidth() == width]
         assert [int(np.isfinite(y).sum()) for y in wide] == [20] * (times <= len(starts))
 
 
@@ -698,6 +701,20 @@ def test_marks_that_would_be_bars_are_dots_and_marks_at_some_of_them():
     assert {keys[start].get_linestyle() for start in starts} != {"None"}  # marks among dots
     assert keys["at rest"].get_linestyle() == "None"
     assert {"near", "far", "both starts", "at rest"} == {*legend_texts(ax)}
+
+
+def test_a_dot_is_seen_around_that_of_another_start_upon_it():
+    """Where two of three starts lead to the same, at every place but where all do."""
+    omega, starts = np.linspace(0.5, 5.0, 900), ["a", "b", "c"]
+    heights = np.stack([omega, omega, np.where(omega < 4.0, 2.0, 1.0) * omega], axis=1)
+    axes = data.axes(Omega=omega, initial=starts)
+    rows = [[height] for height in heights.ravel()]
+    classes = np.full(heights.shape, "periodic", object)
+    dense = data.response(classes, np.ones(heights.shape), axes, rows=rows)
+    (ax,) = draw(dense, figure("bifurcation")).axes
+    dots = [line for line in ax.lines if len(line.get_xdata()) == (omega < 4.0).sum()]
+    sizes = [line.get_ms() for line in dots if to_hex(line.get_color()) == style.BLUE.lower()]
+    assert len(sizes) == 2 and max(sizes) > 1.5 * min(sizes)
 
 
 def test_the_key_of_rests_in_a_dense_diagram_is_as_they_are_drawn():

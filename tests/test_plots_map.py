@@ -562,6 +562,18 @@ def test_a_level_that_a_ridge_touches_has_no_line_along_it():
         assert bool(drawn.findobj(ContourSet)) == is_drawn
 
 
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_plain_at_a_level_has_no_line_through_it(sign):
+    """Nor along it, from whichever side it falls to it; a little aside there is one."""
+    dataset = data.stability_map(initial=("reached",), nx=12, ny=9)
+    x = dataset["Omega"] + 0.0 * dataset["L_s"]
+    sloped = sign * (x - x.values[..., 5, :].max()).clip(max=0.0)
+    mapped = dataset.assign(L_s=sloped.transpose(*dataset["L_s"].dims).assign_attrs(units="rad2"))
+    for level, is_drawn in ((0.0, False), (-sign * 0.2, True)):
+        drawn = draw(mapped, figure("map", variable="L_s", level=level))
+        assert bool(drawn.findobj(ContourSet)) == is_drawn
+
+
 def test_a_level_without_a_line_has_no_entry_in_the_legend():
     levels = {"variable": "L_s", "level": [1e-3, 1.0]}
     drawn = draw(data.stability_map(), figure("map", **levels))

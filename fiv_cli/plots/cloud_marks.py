@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fiv_cli.plots import points, style
-from fiv_cli.plots.clouds import Cloud, part_at
+from fiv_cli.plots.clouds import SAME, Cloud, part_at
 from fiv_cli.plots.drawn import DECORATION
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ TURNS = 4  # in which the dots of crowds are drawn: those of several starts are 
 ONE_PLACE = 0.01  # of the extent of a cloud: values that lie so close are one mark
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
+WIDER = 0.8  # share by which a dot that lies beneath another is wider, for each of these
+MOST_COMPARED = 4_000_000  # pairs of values of two clouds
 UNSETTLED = "values where undecided"
 
 
@@ -57,8 +59,9 @@ def mark_clouds(
     resting = "at rest" if apart.any() else "steady sliding"
     _name_sorts(ax, clouds, entries, APART if are_bars else size, among_dots=are_bars)
     pairs = [*zip(clouds, entries, strict=True)]
-    for cloud, entry in pairs:
+    for number, (cloud, entry) in enumerate(pairs):
         if are_bars:
+            _mark_beneath(ax, cloud, entry, [other for other, _ in pairs[number + 1 :]], size)
             _mark_finely(ax, cloud, entry, size, resting)
         else:
             _mark_values(ax, cloud, entry, size, sorts, many)
@@ -83,6 +86,25 @@ def _name_undecided(ax: Axes, pairs: Sequence[tuple[Cloud, points.Entry]]) -> No
 def _no_dot(entry: points.Entry) -> points.Entry:
     """With a mark that is told from dots."""
     return replace(entry, number=entry.number + (entry.number >= style.DOT_AMONG_MARKS))
+
+
+def _mark_beneath(
+    ax: Axes, cloud: Cloud, entry: points.Entry, later: Sequence[Cloud], size: float
+) -> None:
+    """Wider dots where those of `later` clouds lie upon those of one: it is seen around them."""
+    own, *others = (
+        (np.append(one.x[~one.crowded], one.rest_x), np.append(one.y[~one.crowded], one.rest_y))
+        for one in (cloud, *later)
+    )
+    count = np.zeros(own[0].size, int)
+    for x, y in others:
+        if x.size * own[0].size <= MOST_COMPARED:
+            met = (own[0][:, None] == x) & np.isclose(own[1][:, None], y, SAME, 0.0)
+            count += met.any(axis=1)
+    for times in np.unique(count[count > 0]).tolist():
+        dots = style.mark_of(0, 1, size * (1.0 + WIDER * times)) | {"ls": "none", "zorder": 1.9}
+        here = count == times
+        ax.plot(own[0][here], own[1][here], color=entry.colour, label=DECORATION, **dots)
 
 
 def _mark_finely(ax: Axes, cloud: Cloud, entry: points.Entry, size: float, resting: str) -> None:

@@ -98,7 +98,7 @@ def _with_one_time(motions: Sequence[motion.Motion], blocks: int) -> Any:
 
 
 def _share_heights(axes: Sequence[Axes]) -> None:
-    """Let panels of one variable have one range of it, unless some would be flat there."""
+    """Let panels of one variable have one range of it, or say that some would be flat there."""
     extents = [
         np.ptp(ax.dataLim.intervaly) for ax in axes if np.isfinite(ax.dataLim.intervaly).all()
     ]
@@ -106,6 +106,10 @@ def _share_heights(axes: Sequence[Axes]) -> None:
     if extents and high.max() - low.min() <= FLAT * min(extents):
         for ax in axes:
             ax.set_ylim(low.min(), high.max())
+    elif np.ptp(low) > 0.0 or np.ptp(high) > 0.0:
+        told = f"{axes[0].get_ylabel()}: each panel has a range of its own, or some would be flat"
+        both = f"ylim = [{low.min():.3g}, {high.max():.3g}] in the figure is one for all"
+        style.add_notes(axes[0].figure.figure, [f"{told}; {both}"])
 
 
 def _panel(

@@ -20,6 +20,7 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
+from scipy import ndimage
 
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
@@ -257,7 +258,8 @@ def _length(ax: Axes, piece: np.ndarray) -> float:
 
 
 def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
-    """Values at the level, to rounding, on the side of those around them: a ridge has no line."""
+    """Values at the level, to rounding, on the side of those around all of them that are together:
+    a ridge has no line, nor has a plain."""
     off = part - level
     rounding = TOUCH * max(float(np.abs(part[np.isfinite(part)]).max(initial=0.0)), abs(level))
     at = np.abs(off) <= rounding
@@ -266,7 +268,9 @@ def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
     rest = np.pad(np.where(at | np.isnan(off), 0.0, np.sign(off)), 1)
     rows, columns = part.shape
     around = sum(rest[i : i + rows, j : j + columns] for i in range(3) for j in range(3))
-    return np.where(at, level + rounding * np.where(around < 0.0, -1.0, 1.0), part)
+    groups = ndimage.label(at, structure=np.ones((3, 3)))[0]
+    sides = np.bincount(groups.ravel(), weights=np.ravel(around))
+    return np.where(at, level + rounding * np.where(sides[groups] < 0.0, -1.0, 1.0), part)
 
 
 def _height(ax: Axes) -> float:
