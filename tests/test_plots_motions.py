@@ -1,6 +1,8 @@
 """Histories, phase portraits and spectra, drawn from small datasets."""
 
 import csv
+import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -584,6 +586,15 @@ def test_motions_of_several_files_stand_side_by_side_in_a_history():
     drawn = draw([("a", far), ("b", cycle)], figure("history", variable="phi"))
     assert [ax.get_title() for ax in drawn.axes] == ["far", "unstable cycle"]
     assert len({ax.get_ylim() for ax in drawn.axes}) == 1
+    assert not [note for note in style.notes_on(drawn) if "range of its own" in note]
+    flat = cycle.assign(phi=1e-3 * cycle["phi"])
+    apart = draw([("a", far), ("b", flat)], figure("history", variable="phi"))
+    assert len({ax.get_ylim() for ax in apart.axes}) == 2
+    (note,) = [note for note in style.notes_on(apart) if "range of its own" in note]
+    (both,) = re.findall(r"ylim = (\[.*?\])", note)
+    asked = figure("history", variable="phi", ylim=json.loads(both))
+    alike = draw([("a", far), ("b", flat)], asked)
+    assert len({ax.get_ylim() for ax in alike.axes}) == 1 and not style.notes_on(alike)
     (phase,) = draw([("a", far), ("b", cycle)], figure("phase")).axes
     assert {"start: far", "unstable cycle"} <= {*legend_texts(phase)}
     many = [(f"{n}", far) for n in range(6)]  # more than stand side by side
