@@ -160,6 +160,10 @@ def test_which_undecided_motions_have_numbers_for_lines(reason, chosen, is_settl
         dataset["section_kind"] = dataset["status"] * 0
     drawn = draw(dataset, figure("map", variable="L_s", level=1.0))
     assert bool(drawn.findobj(ContourSet)) == is_settled
+    told = [note for note in style.notes_on(drawn) if note.startswith("no line")]
+    assert [note.endswith("below everywhere, as far as points are decided") for note in told] == (
+        [] if is_settled else [True]
+    )
 
 
 def test_a_number_of_a_motion_on_its_way_stretches_no_shades_of_a_map():

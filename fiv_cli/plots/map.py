@@ -234,8 +234,10 @@ class _Lines:
 
     @property
     def missed(self) -> list[str]:
-        """Why there is no line, of each level that has none."""
-        return [*level_notes.missed(self.planes.array, self.ends, self.levels)]
+        """Why there is no line, of each level that has none; undecided points have none."""
+        moving = bool((self.planes.computed & ~self.planes.settled).any())
+        told = level_notes.missed(self.planes.array, self.ends, self.levels)
+        return [f"{why}{', as far as points are decided' * moving}" for why in told]
 
     @property
     def inexact(self) -> Iterator[str]:
