@@ -997,6 +997,7 @@ def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
     assert low[:, 0].max() < 2.0
     assert {*low[:, 1], *high[:, 1]} == {0.02, 0.09}
     assert r"unstable cycle: extremes of $\varphi$" in legend_texts(ax)
+    assert any("stable cycles on another section" in note for note in style.notes_on(ax.figure))
 
 
 def test_cycles_lie_over_a_diagram_whichever_start_of_it_is_selected():

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 UNMET = (
-    "stable cycles that never meet the section are not drawn; one that all motions have, such as "
+    "stable cycles on another section, or that never meet it, are not drawn; one for all, such as "
     'section = {{ zero = "{}_dot" }} in the cases of cycles and diagram, has them'
 )
 BEYOND = 0.05  # of its length: what is seen beyond an axis
@@ -125,7 +125,7 @@ def _draw_all_cycles(
     axis: xr.DataArray,
     name: str,
 ) -> bool:
-    """Draw the cycles of every diagram; whether some stable one never meets the section.
+    """Draw the cycles of every diagram; whether some stable one is not drawn, for its section.
 
     A dataset that belongs to several diagrams is drawn with the first of them.
     """

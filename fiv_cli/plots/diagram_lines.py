@@ -68,7 +68,7 @@ def draw_cycles(
     """Every cycle along `axis`, in the colour of its diagram: what it passes at the section.
 
     Of a cycle that is not known there the least and the greatest, and only if it is not stable: the
-    marks of a stable one lie elsewhere. Tells whether one that is stable never meets the section.
+    marks of a stable one lie elsewhere. Tells whether one that is stable is not drawn so.
     """
     unmet = False
     observed = observed_state(layer.dataset[name])
@@ -78,7 +78,7 @@ def draw_cycles(
         at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
         for own, (word, x, heights, passes) in _cycles(dataset, axis, observed, at_section):
             if word not in branch.DASHES or (word == "stable" and not passes):
-                unmet |= at_section and word == "stable"
+                unmet |= name == DEFAULT and word == "stable"
                 continue
             told = f"{word}{' cycle' if passes else extremes}"
             place, colour = _whose(layer, own, axis, colours)
