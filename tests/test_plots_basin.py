@@ -20,16 +20,10 @@ from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import COMPUTED
-from fiv_cli.plots import (
-    default_figures,
-    draw,
-    look_of,
-)
+from fiv_cli.plots import default_figures, draw, look_of
 from fiv_cli.plots.curve_lines import _narrowed
 from fiv_cli.plots.drawn import as_csv
-from fiv_cli.plots.style import (
-    class_colours,
-)
+from fiv_cli.plots.style import class_colours
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise

@@ -28,21 +28,13 @@ from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.dynamics.settings import Section
 from fiv_cli.errors import EmptyFigureError, UsageError
-from fiv_cli.plots import (
-    draw,
-    leaps,
-    points,
-    style,
-)
+from fiv_cli.plots import draw, leaps, points, style
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.branch import stretches
 from fiv_cli.plots.cloud_marks import FINEST
 from fiv_cli.plots.drawn import DECORATION, as_csv
 from fiv_cli.plots.points import GAP_MARKS
-from fiv_cli.plots.style import (
-    BLACK,
-    finer,
-)
+from fiv_cli.plots.style import BLACK, finer
 from fiv_cli.reading.datasets import class_names, flag_names
 
 

@@ -10,14 +10,7 @@ import xarray as xr
 from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from plotted import (
-    branch_along_the_speed,
-    crossing_lines,
-    figure,
-    legend_texts,
-    marks,
-    run,
-)
+from plotted import branch_along_the_speed, crossing_lines, figure, legend_texts, marks, run
 
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import Millimetres
@@ -25,14 +18,7 @@ from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
 from fiv_cli.errors import CaseError, InputError, UsageError
 from fiv_cli.flags import REASON, advice
-from fiv_cli.plots import (
-    default_figures,
-    draw,
-    drawing,
-    phase,
-    smooth,
-    style,
-)
+from fiv_cli.plots import default_figures, draw, drawing, phase, smooth, style
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.drawn import as_csv
 from fiv_cli.reading.summary import lines as summary_lines

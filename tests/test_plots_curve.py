@@ -24,19 +24,11 @@ from plotted import (
 )
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import (
-    draw,
-    look_of,
-    points,
-    save,
-    style,
-)
+from fiv_cli.plots import draw, look_of, points, save, style
 from fiv_cli.plots.curve_lines import Curve
 from fiv_cli.plots.curve_panel import _hidden, _plot
 from fiv_cli.plots.drawn import as_csv, in_one_line
-from fiv_cli.plots.style import (
-    BLACK,
-)
+from fiv_cli.plots.style import BLACK
 from fiv_cli.reading.datasets import flag_names
 from fiv_cli.reading.summary import summarise
 from fiv_cli.reading.take import taken

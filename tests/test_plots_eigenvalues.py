@@ -8,11 +8,7 @@ from plotted import figure, legend_texts, marks
 
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import get_law
-from fiv_cli.plots import (
-    draw,
-    draw_laws,
-    look_of,
-)
+from fiv_cli.plots import draw, draw_laws, look_of
 from fiv_cli.plots.law import force
 
 

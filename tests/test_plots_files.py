@@ -7,12 +7,7 @@ import synthetic_datasets as data
 from plotted import figure
 
 from fiv_cli.errors import StorageError, UsageError
-from fiv_cli.plots import (
-    default_figures,
-    draw,
-    look_of,
-    save,
-)
+from fiv_cli.plots import default_figures, draw, look_of, save
 
 SIGNATURES = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 

@@ -22,24 +22,13 @@ from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import (
-    draw,
-    legends,
-    levels,
-    look_of,
-    points,
-    save,
-    style,
-)
+from fiv_cli.plots import draw, legends, levels, look_of, points, save, style
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.critical_lines import _is_inside
 from fiv_cli.plots.drawing import _meant
 from fiv_cli.plots.drawn import as_csv, in_one_line
 from fiv_cli.plots.levels import MOST_WRITTEN
-from fiv_cli.plots.style import (
-    BLACK,
-    line_colours,
-)
+from fiv_cli.plots.style import BLACK, line_colours
 from fiv_cli.reading.datasets import is_class
 
 
@@ -222,9 +211,9 @@ def test_levels_are_written_where_a_panel_is_large_beside_them(width, more, is_o
     assert turned and any(turned) == is_on_its_line
     feet = [text.xy for text in drawn.axes[0].texts if isinstance(text, Annotation)]
     (lines,) = drawn.findobj(ContourSet)[:1]
-    corners_ = np.concatenate([piece for own in lines.allsegs for piece in own])
+    on_it = np.concatenate([piece for own in lines.allsegs for piece in own])
     assert bool(feet) != is_on_its_line
-    assert all(np.abs(corners_ - foot).max(axis=1).min() < 0.1 for foot in feet)
+    assert all(np.abs(on_it - foot).max(axis=1).min() < 0.1 for foot in feet)
     assert any("0.0005" in text.get_text() for text in drawn.legends[0].get_texts())
 
 

@@ -14,12 +14,7 @@ from plotted import SLIP_MINUS, SLIP_PLUS, figure, legend_texts, marks
 
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import REASON
-from fiv_cli.plots import (
-    draw,
-    look_of,
-    motion,
-    style,
-)
+from fiv_cli.plots import draw, look_of, motion, style
 from fiv_cli.plots.drawn import as_csv
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.reading import sampling

@@ -10,19 +10,10 @@ from matplotlib.figure import Figure
 from plotted import figure
 
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import (
-    default_figures,
-    draw,
-    figures_of,
-    points,
-)
+from fiv_cli.plots import default_figures, draw, figures_of, points
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.fitting import tame_texts
-from fiv_cli.plots.style import (
-    class_colours,
-    dot_size,
-    line_colours,
-)
+from fiv_cli.plots.style import class_colours, dot_size, line_colours
 
 
 @pytest.mark.parametrize(

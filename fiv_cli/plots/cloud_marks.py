@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fiv_cli.plots import points, style
-from fiv_cli.plots.clouds import SAME, Cloud, part_at
+from fiv_cli.plots.clouds import Cloud, part_at
 from fiv_cli.plots.drawn import DECORATION
 
 if TYPE_CHECKING:
@@ -32,7 +32,6 @@ ONE_PLACE = 0.01  # of the extent of a cloud: values that lie so close are one m
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 WIDER = 0.8  # share by which a dot that lies beneath another is wider, for each of these
-MOST_COMPARED = 4_000_000  # pairs of values of two clouds
 UNSETTLED = "values where undecided"
 
 
@@ -96,11 +95,7 @@ def _mark_beneath(
         (np.append(one.x[~one.crowded], one.rest_x), np.append(one.y[~one.crowded], one.rest_y))
         for one in (cloud, *later)
     )
-    count = np.zeros(own[0].size, int)
-    for x, y in others:
-        if x.size * own[0].size <= MOST_COMPARED:
-            met = (own[0][:, None] == x) & np.isclose(own[1][:, None], y, SAME, 0.0)
-            count += met.any(axis=1)
+    count = points.met_by(*own, others)
     for times in np.unique(count[count > 0]).tolist():
         dots = style.mark_of(0, 1, size * (1.0 + WIDER * times)) | {"ls": "none", "zorder": 1.9}
         here = count == times

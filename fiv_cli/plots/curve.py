@@ -21,7 +21,6 @@ from fiv_cli.plots.curve_lines import (
     DOT,
     SORT_MARKS,
     TOO_SHORT,
-    UPON,
     Curve,
     births_along,
     equilibria,
@@ -321,7 +320,7 @@ def _coincide(drawn: Sequence[tuple[int, Curve]]) -> bool:
         if place == there and one.without("initial") == other.without("initial")
     )
     met = (
-        np.isclose(one.y, other.y, rtol=UPON, atol=0.0)
+        np.isclose(one.y, other.y, rtol=points.UPON, atol=0.0)
         for one, other in pairs
         if np.array_equal(one.x, other.x)
     )

@@ -35,7 +35,6 @@ TOO_SHORT = 2  # points, at most, of a piece that does not show what its dashes 
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
 MOST_MARKED = 25  # crossings on a line: of more the marks hide its dashes, and other lines
 PLACE: dict[str, Any] = {"marker": "D", "ms": 4}  # of a dataset that lies at one of the axis
-UPON = 1e-6  # relative: values that differ by less are drawn at one place
 RESTS = {"stable": "-", "unstable": ":"}  # their dashes, which are no cycles'
 NARROW = 2.5e-3  # of the greatest value: half of what may be, that is told by an error bar
 
@@ -152,7 +151,7 @@ class Curve:
         """At which points it would lie upon another that has the same."""
         own, others = ((one.y, one.error, *one.ends) for one in (self, other))
         pairs = zip(own, others, strict=True)
-        near = [np.isclose(a, b, rtol=UPON, atol=0.0, equal_nan=True) for a, b in pairs]
+        near = [np.isclose(a, b, rtol=points.UPON, atol=0.0, equal_nan=True) for a, b in pairs]
         return np.asarray(np.all([*near, self.open == other.open], axis=0))
 
     def only(self, part: np.ndarray) -> Curve:

@@ -11,7 +11,7 @@ import numpy as np
 
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import branch, labels, points, smooth, style
-from fiv_cli.plots.curve_lines import DATASET, DOT, UPON, Curve
+from fiv_cli.plots.curve_lines import DATASET, DOT, Curve
 from fiv_cli.plots.drawn import DECORATION, leave_out
 from fiv_cli.reading.datasets import flag_names
 
@@ -160,7 +160,7 @@ def _upon(over: tuple[Curve, points.Entry], under: tuple[Curve, points.Entry]) -
     alike = entry.dash == beneath.dash and entry.colour != beneath.colour and not one.sort
     if not alike or not np.array_equal(one.x, other.x):
         return np.zeros(other.x.size, int)
-    met = np.isclose(one.y, other.y, rtol=UPON, atol=0.0) & ~one.open & ~one.is_wide
+    met = np.isclose(one.y, other.y, rtol=points.UPON, atol=0.0) & ~one.open & ~one.is_wide
     if one.without("initial") != other.without("initial"):
         met &= one.y != 0.0  # along the axis it would look like a bar
     met = np.pad(met, 1)
@@ -174,10 +174,7 @@ def _frame_hidden(ax: Axes, curve: Curve, entry: points.Entry, later: Sequence[C
     """
     alone = points.alone(np.isfinite(curve.y) & ~curve.is_wide)
     x, y = curve.x[alone], curve.y[alone]
-    count = np.zeros(x.size, int)
-    for other in later if x.size else []:
-        met = (other.x == x[:, None]) & np.isclose(other.y, y[:, None], rtol=UPON, atol=0.0)
-        count += met.any(axis=1)
+    count = points.met_by(x, y, ((other.x, other.y) for other in later))
     for number in np.unique(count[count > 0]).tolist():
         here, wide = count == number, FRAME["ms"] * (1.0 + 0.5 * (number - 1))
         look = {**FRAME, "ms": wide, "color": entry.colour, "label": DECORATION}

@@ -39,6 +39,8 @@ MOST_TICKS = 24
 
 # The number that a random start's label ends with.
 MOST_OF_A_RAMP = 5
+UPON = 1e-6  # relative: values that differ by less are drawn at one place
+MOST_COMPARED = 4_000_000  # pairs of points of which it is told whether they are one
 VALUE = re.compile(r"= [-+−]?\d[^,=]*$")  # the last of the words of an entry
 RANDOM_MEMBER = re.compile(r"-\d{3,}(?=,|$)")
 
@@ -539,6 +541,19 @@ def alone(known: np.ndarray, most: int = 1) -> np.ndarray:
     piece = np.cumsum(~known)
     sizes = np.bincount(piece[known], minlength=piece.max(initial=0) + 1)
     return np.asarray(known & (sizes[piece] <= most))
+
+
+def met_by(
+    x: np.ndarray, y: np.ndarray, others: Iterable[tuple[np.ndarray, np.ndarray]]
+) -> np.ndarray:
+    """How many of some `others` (their x, their y) have a point at each of these points; none of
+    one with too many to compare."""
+    count = np.zeros(x.size, int)
+    for its_x, its_y in others:
+        if x.size * its_x.size <= MOST_COMPARED:
+            met = (x[:, None] == its_x) & np.isclose(y[:, None], its_y, rtol=UPON, atol=0.0)
+            count += met.any(axis=1)
+    return count
 
 
 def refuse_empty(dataset: xr.Dataset, anything: bool, name: str) -> None:
