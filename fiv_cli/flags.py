@@ -271,20 +271,27 @@ REASONS: tuple[Reason, ...] = (
         "nowhere: a law or a spring is too stiff (lower its stiffness: sigma, sigma_0, k, ...), or "
         "the motion runs into a pole of a law of your own",
     ),
+    Reason(
+        "nonhyperbolic",
+        "to first order the equilibrium neither attracts nor repels, as exactly at a Hopf point, "
+        "and the motion about it changes ever more slowly: a larger t_max follows it further "
+        "(`fiv history` shows whether it dies away) and never to its end; move the parameter a "
+        "little, or add damping",
+    ),
 )
 
 # Reasons of motions that ended: answers, without what a motion has at its end.
 ENDED_EARLY = ("diverged", "contact_lost")
 
-# ... and of undecided ones whose time was up before they had settled: what they did until then
-# says nothing of where they end.
 MOTION_OF_A_CYCLE = (
     "of the cycle that its `cycle` found, which may be unstable, a [[initial]] of kind `state` "
     "at `cycle_section` (fiv show FILE.nc --csv 'cycle_section[*],cycle_period'), with t_end its "
     "period; over basins: fiv plot BASINS.nc HISTORY.nc --figure basin"
 )
 
-ON_THE_WAY = ("time_budget", "slide_not_decided")
+# Reasons of undecided motions whose time was up before they had settled: what they did until then
+# says nothing of where they end.
+ON_THE_WAY = ("time_budget", "slide_not_decided", "nonhyperbolic")
 
 STATUS = FlagTable(
     {"ok": 0, "pending": 1, "failed": 2, "budget": 3, "not_reached": 4, NOT_COMPUTED: 5},

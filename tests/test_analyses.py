@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from motions import TIGHT, defaults, motion, system
-from small_models import TWO_MASSES
+from small_models import DOUBLE_WELL, TWO_MASSES
 
 from fiv_cli.analyses import all_analyses, execute, get_analysis
 from fiv_cli.analyses.base import (
@@ -80,6 +80,28 @@ def test_an_undamped_slide_is_neutral() -> None:
     assert (found.status, found.reason) == ("ok", "neutral_oscillation")
     assert found.values["attractor"] == "undecided"
     assert found.values["L_s"] == pytest.approx(0.3**2 / 2, rel=1e-8)
+
+
+def test_a_slide_that_nonlinear_friction_alone_damps_is_not_neutral() -> None:
+    """Where friction is least, slow oscillations fall as A' = -3 A^3 / 10 (averaging)."""
+    law = {"mu_s": 0.4, "mu_m": 0.2, "v_m": 0.5, "v": 0.5}
+    found = respond("cubic", {"x": 0.5}, section=UPWARD, N=1.0, c=0.0, **law)
+    assert (found.values["attractor"], found.reason) == ("undecided", "nonhyperbolic")
+    amplitude = (found.values["x_max"] - found.values["x_min"]) / 2
+    begun = found.values["transient_used"]
+    assert amplitude == pytest.approx((0.6 * begun + 0.3**-2) ** -0.5, rel=0.01)
+
+
+@pytest.mark.parametrize("section", [Section("event"), UPWARD])
+def test_a_nonlinear_oscillation_that_keeps_its_energy_has_no_attractor(section: Section) -> None:
+    """About the only equilibrium, and in a well beside one that repels: no cycle attracts."""
+    for changes, start, reasons in (
+        ({"k": -1.0}, 0.8, {"neutral_oscillation"}),
+        ({"k": 1.0}, 1.3, {"cycle_not_confirmed", "slide_not_decided"}),
+    ):
+        found = respond("coulomb", {"x": start}, DOUBLE_WELL, section=section, c=0.0, **changes)
+        assert found.values["attractor"] == "undecided"
+        assert found.reason in reasons
 
 
 @pytest.mark.parametrize(

@@ -735,13 +735,32 @@ def test_newton_with_a_derivative_from_nearby_takes_none_of_its_own() -> None:
 
 
 def test_near_returns_are_ranked_by_their_distance() -> None:
-    """A spiral out of an unstable period two: its own returns come first, early ones."""
+    """A spiral out of an unstable period two: its own returns come first, early ones; at last come
+    the first returns from where the motion began."""
     times = np.arange(20.0)
     side = np.where(np.arange(20) % 2 == 0, 1.0, -1.0)
     points = (side * (1.0 + 1e-3 * 1.5 ** np.arange(20)))[:, None]
-    found = near_returns(coulomb_belt(), Returns(times, points, Stop.REACHED), None)
+    passed = Returns(times, points, Stop.REACHED)
+    found = near_returns(coulomb_belt(), passed, None, begun=-0.5)
     assert found[0] == (0.0, 2.0)
-    assert near_returns(coulomb_belt(), Returns(times, points, Stop.REACHED), 3)[0][1] >= 3.0
+    assert found[-8:] == [(-0.5, m - 0.5) for m in range(1, 9)]
+    assert near_returns(coulomb_belt(), passed, 3, begun=-0.5)[0][1] >= 3.0
+
+
+@pytest.mark.parametrize("offset", [(0.40, 0.30), (0.41, 0.31), (0.42, 0.31)])
+def test_a_start_beside_a_cycle_that_repels_leads_to_it(offset: tuple[float, float]) -> None:
+    """The motion is away before its first return; period and amplitude are those that shooting
+    with an integrator of its own finds (SciPy, DOP853, events)."""
+    start = Start("beside", "equilibrium", dict(zip(("x", "y"), offset, strict=True)))
+    settings = {"section": Section("zero", state="x_dot", direction="down"), "t_max": 15.0}
+    parameters = {"k1": 2.0, "k2": 1.0, "k3": 2.0, "c1": 0.1, "c2": 0.1, "mu_k": 0.7}
+    options = {"states": "all"}
+    found = api.analyse(
+        "flutter-2dof", "coulomb", "cycle", start, settings, options=options, **parameters
+    )
+    assert found.values["stable"] == "unstable"
+    assert found.values["cycle_period"] == pytest.approx(4.0727254075, abs=2e-9)
+    assert found.values["x_max"] == pytest.approx(0.50924445, abs=1e-8)
 
 
 CASE = """

@@ -172,7 +172,7 @@ def test_where_branches_begin_and_end_is_told(
     assert fiv(["run", str(case), "-o", str(output), "--workers", "1"]) == 0
     ended = capsys.readouterr().err
     assert "\n      c=0.5,initial=far: at v = 1 the motion returns last at t = " in ended
-    assert "; between them x rests; over its first returns it swings by " in ended
+    assert "; between them x rests; followed up to t = " in ended
     found = api.read(output)
     for place in ([], ["--at", "c=0.05"]):
         told = shown(capsys, "show", output, *place)[""]

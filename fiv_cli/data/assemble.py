@@ -331,12 +331,13 @@ def _axis_coordinate(axis: Axis, dim: str, layout: Layout) -> Labelled:
 
 
 def axis_attributes(axis: Axis, layout: Layout) -> dict[str, str]:
-    """Unit, meaning and symbol of an axis; with those of parameters that a case lets follow it."""
+    """Unit, meaning, symbol and role of an axis; symbols of parameters that follow it, too."""
     if axis.kind == "parameter":
         parameter, (*_, leaders) = _parameter(axis.name, layout), terms_of(layout.model)
         following = [name for name, leader in leaders.items() if leader == axis.name]
         symbols = [parameter.symbol, *(_parameter(name, layout).symbol for name in following)]
-        return _attributes(parameter.unit, parameter.meaning, " = ".join(symbols))
+        role = {"role": parameter.role} if parameter.role else {}
+        return _attributes(parameter.unit, parameter.meaning, " = ".join(symbols)) | role
     if axis.kind == "start":
         table = get_model(layout.model)
         states = motions(table.states(table.default_options()))

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from fiv_cli.data.dataset import Dataset, Labelled
 
 TEXTS = ("case", "title", "reference", "fingerprint", "source", "model", "law", "overrides")
-WORDS = ("units", "long_name", "symbol", "comment", "flag_meanings", "sample_dimension", "along")
+MEANING = ("units", "long_name", "symbol", "role", "comment", "flag_meanings")
+WORDS = (*MEANING, "sample_dimension", "along")
 OBJECTS = ("parameters", "options", "starts", "schedule", "solver", "own", "packages")
 COUNTS = ("refined_levels", "points_run", "points_filled_in", "sample_size", "sample_mislabelled")
 

@@ -31,8 +31,8 @@ COARSE = 1  # places of a map on a straight piece of a line
 LEFT_OPEN = "undecided_in_part"
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
-Joined = tuple[np.ndarray, np.ndarray, list[list[crossings.Place]]]
-"""Places along an axis, crossings there, shape (places, crossings), and which make a line."""
+Joined = tuple["xr.DataArray", np.ndarray, list[list[crossings.Place]]]
+"""An axis, crossings along it, shape (places, crossings), and which make a line."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,8 @@ class CriticalLines:
     def inexact(self) -> Iterator[str]:
         """Where neighbours are not joined, and that there are few values to draw lines through."""
         along, drawn = self._along, [self._joined(panel) for panel in self.panels]
-        steps = sorted(
-            {step for _, values, lines in drawn for step in crossings.not_joined(values, lines)}
-        )
-        x = drawn[0][0] if drawn else np.zeros(0)
+        steps = sorted({step for of_panel in drawn for step in crossings.not_joined(*of_panel)})
+        x = points.positions(drawn[0][0]) if drawn else np.zeros(0)
         yield from crossings.broken(
             self._words, along.name, [(x[at], x[at + 1]) for at in steps], x
         )
@@ -130,7 +128,8 @@ class CriticalLines:
 
     def _lines(self, panel: points.Line) -> list[Piece]:
         """Crossings of neighbours joined, as far as they belong together."""
-        x, values, joined = self._joined(panel)
+        axis, values, joined = self._joined(panel)
+        x = points.positions(axis)
         lines = [(x[at[0]], values[at]) for at in (tuple(np.array(line).T) for line in joined)]
         return [(y, x) for x, y in lines] if self._is_turned else lines
 
@@ -147,13 +146,13 @@ class CriticalLines:
         """What is drawn in a panel."""
         along = self._along
         dataset = self._on_the_map(along)
-        array, x = self._of_the_border(dataset), points.positions(dataset[along.name])
+        array, axis = self._of_the_border(dataset), dataset[along.name]
         own = {dim: at for dim, at in panel.index.items() if dim in array.dims}
         values, modes = (
-            one.isel(own).transpose(along.dims[0], ...).values.reshape(x.size, -1)
+            one.isel(own).transpose(along.dims[0], ...).values.reshape(axis.size, -1)
             for one in (array, crossings.modes_of(dataset, array))
         )
-        return x, values, crossings.joined(x, values, modes)
+        return axis, values, crossings.joined(axis, values, modes)
 
     def _on_the_map(self, along: xr.DataArray) -> xr.Dataset:
         """What it is drawn of, along one axis and those of the panels alone.

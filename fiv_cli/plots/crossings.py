@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fiv_cli.plots import labels
+from fiv_cli.plots import labels, points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,18 +19,22 @@ SMALL = 0.02  # ... or of all values
 SHORTER = 1.01
 
 
-def turns_back(x: np.ndarray) -> np.ndarray:
-    """Between which neighbours an axis that others advance with stands still, or turns."""
-    steps = np.diff(x)
+def parted(axis: xr.DataArray) -> np.ndarray:
+    """Between which neighbours along an axis no line leads.
+
+    There one that others advance with stands still, or turns, or a drive turns its sense.
+    """
+    x = points.positions(axis)
+    steps, is_speed = np.diff(x), axis.attrs.get("role") == "speed"
     first: float = next(iter(steps[steps != 0.0]), 1.0)
-    return steps * first <= 0.0
+    return np.asarray((steps * first <= 0.0) | (is_speed & (x[1:] * x[:-1] < 0.0)))
 
 
 Place = tuple[int, int]
 """Numbers of a point and of a crossing there."""
 
 
-def joined(x: np.ndarray, values: np.ndarray, modes: np.ndarray) -> list[list[Place]]:
+def joined(axis: xr.DataArray, values: np.ndarray, modes: np.ndarray) -> list[list[Place]]:
     """Lines through crossings, shape (points, crossings), as places along them.
 
     Crossings of neighbours are joined as far as it can be told that they belong together.
@@ -40,21 +44,25 @@ def joined(x: np.ndarray, values: np.ndarray, modes: np.ndarray) -> list[list[Pl
         for point, row in enumerate(values)
     ]
     lines: dict[Place, list[Place]] = {place: [place] for row in rows for place in row}
-    for (before, after), apart in zip(pairwise(rows), turns_back(x), strict=True):
+    for (before, after), apart in zip(pairwise(rows), parted(axis), strict=True):
         for one, other in [] if apart else _pairs(before, after, values, modes):
             lines[other] = lines[one]
             lines[one].append(other)
     distinct = {id(line): line for line in lines.values()}.values()
+    x = points.positions(axis)
     return [piece for line in distinct for piece in _followed(line, x, values, modes)]
 
 
-def not_joined(values: np.ndarray, lines: Sequence[Sequence[Place]]) -> list[int]:
+def not_joined(
+    axis: xr.DataArray, values: np.ndarray, lines: Sequence[Sequence[Place]]
+) -> list[int]:
     """Points between which and the next fewer lines lead than both have crossings."""
     counts = np.isfinite(values).sum(axis=1)
     led = np.zeros(counts.size - 1, int)
     for line in lines:
         led[[place for place, _ in line[:-1]]] += 1
-    steps: list[int] = np.flatnonzero(np.minimum(counts[1:], counts[:-1]) > led).tolist()
+    fewer = (np.minimum(counts[1:], counts[:-1]) > led) & ~parted(axis)
+    steps: list[int] = np.flatnonzero(fewer).tolist()
     return steps
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import branch, labels, leaps, points, style
-from fiv_cli.plots.crossings import joined, modes_of, not_joined, turns_back
+from fiv_cli.plots.crossings import joined, modes_of, not_joined, parted
 from fiv_cli.plots.turns import up_to_turns
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
@@ -237,7 +237,7 @@ def lines_of(
         )
     x, words = points.positions(axis), labels.name_of(dataset[name]) if named else ""
     if "crossing" in array.dims and _sorting(dataset):
-        return _by_sort(layer, array, words, x, dim, sorts)
+        return _by_sort(layer, array, words, axis, sorts)
     unsure = unknown_points(dataset, name, allow_undecided=True).broadcast_like(array)
     classes = dataset.get("attractor", dataset["status"]).broadcast_like(array)
     errors = _errors(dataset, array)
@@ -253,7 +253,7 @@ def lines_of(
             )
         )
         y, error, ends = _narrowed(y, error, ends)
-        apart = (told[1:] != told[:-1]) | turns_back(x)
+        apart = (told[1:] != told[:-1]) | parted(axis)
         for own in {name, *alike}:
             apart |= _leaves(dataset, own, line.index, of_panels[own])
         jumps = (np.flatnonzero(apart) + 1).tolist()
@@ -352,15 +352,14 @@ def _by_sort(
     layer: points.Layer,
     array: xr.DataArray,
     words: str,
-    x: np.ndarray,
-    dim: str,
+    axis: xr.DataArray,
     every: Sequence[str],
 ) -> list[Curve]:
     """Lines of crossings of one sort: a colour for each or, where colours tell lines, a dash.
 
     Each of `every` sort looks the same in all datasets of a figure.
     """
-    dataset = layer.dataset
+    dataset, x, dim = layer.dataset, points.positions(axis), str(axis.dims[0])
     sorts, errors, modes = sorts_of(dataset), _errors(dataset, array), modes_of(dataset, array)
     along = [str(d) for d in array.dims if d != "crossing"]
     curves = []
@@ -375,8 +374,8 @@ def _by_sort(
                 part.where(mask).isel(line.index).transpose(dim, "crossing").values
                 for part in (array, errors, modes)
             )
-            lines = joined(x, kept, mode)
-            steps = [(x[at], x[at + 1]) for at in not_joined(kept, lines)]
+            lines = joined(axis, kept, mode)
+            steps = [(x[at], x[at + 1]) for at in not_joined(axis, kept, lines)]
             for place, places in enumerate(lines):
                 at = tuple(np.array(places).T)
                 unsure = np.zeros(len(places), bool)

@@ -161,8 +161,6 @@ def _upon(over: tuple[Curve, points.Entry], under: tuple[Curve, points.Entry]) -
     if not alike or not np.array_equal(one.x, other.x):
         return np.zeros(other.x.size, int)
     met = np.isclose(one.y, other.y, rtol=points.UPON, atol=0.0) & ~one.open & ~one.is_wide
-    if one.without("initial") != other.without("initial"):
-        met &= one.y != 0.0  # along the axis it would look like a bar
     met = np.pad(met, 1)
     return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
 

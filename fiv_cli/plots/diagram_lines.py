@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 # Of changes of cycles: full, since the hollow marks are those of starts.
 CHANGE: dict[str, Any] = {"mec": "white", "mew": 0.4, "ms": 4.0, "ls": "none"}
+CYCLE: dict[str, Any] = {"lw": 1.2, "zorder": 1.5}
+LONE: dict[str, Any] = {"marker": "o", "ms": 2.5}  # a cycle that no line leads to
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
 TURNS_HERE = "equilibrium turns unstable"
 BETWEEN = "read between points"
@@ -82,19 +84,34 @@ def draw_cycles(
                 continue
             told = f"{word}{' cycle' if passes else extremes}"
             place, colour = _whose(layer, own, axis, colours)
-            look: dict[str, Any] = {"ls": branch.DASHES[word], "lw": 1.2, "zorder": 1.5}
-            if told not in [line.get_label() for line in ax.lines]:
-                ax.plot([], [], color=style.BLACK, label=told, **look)
             for height in heights:
-                smooth.draw(ax, x, height, points.unlisted(place, told), color=colour, **look)
-                alone = points.alone(np.isfinite(height))  # no line leads there
-                fill = colour if word == "stable" else "none"
-                dot: dict[str, Any] = {"marker": "o", "ms": 2.5, "mfc": fill, "ls": "none"}
-                ax.plot(x[alone], height[alone], color=colour, label=DECORATION, **dot)
+                _draw_cycle(ax, x, height, word, (place, told), colour)
         tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
         if at_section and tells:
             _mark_changes(ax, dataset, axis, layer, colours)
     return unmet
+
+
+def _draw_cycle(
+    ax: Axes,
+    x: np.ndarray,
+    height: np.ndarray,
+    word: str,
+    called: tuple[str, str],
+    colour: ColorType,
+) -> None:
+    """A line and, where none leads, a dot; each is in the legend by what it is `called` last."""
+    alone, dashes = points.alone(np.isfinite(height)), branch.DASHES[word]
+    smooth.draw(ax, x, height, points.unlisted(*called), color=colour, ls=dashes, **CYCLE)
+    entry = next((line for line in ax.lines if line.get_label() == called[-1]), None)
+    if entry is None:
+        (entry,) = ax.plot([], [], color=style.BLACK, label=called[-1], **CYCLE, ls="none")
+    if np.isfinite(height[~alone]).any():
+        entry.set(ls=dashes)
+    if alone.any():
+        entry.set(**LONE, mfc=style.BLACK if word == "stable" else "none")
+        look = {**LONE, "mfc": colour if word == "stable" else "none", "ls": "none"}
+        ax.plot(x[alone], height[alone], color=colour, label=DECORATION, **look)
 
 
 def _mark_changes(

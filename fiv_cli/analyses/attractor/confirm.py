@@ -33,7 +33,8 @@ SETTLED = 1e-10  # last correction, over the extent of the motion
 SLOW = 0.1  # a chord step that leaves more than this of the last one asks for a new derivative
 FAINT = 1e-3  # a displacement (velocity) below this share of the largest is judged by that
 ON_IT = 1e-8  # distance from the cycle that multipliers do not notice
-ATTRACTING = 1.0 - 1e-5  # largest multiplier of a cycle that attracts, and is not neutral
+ROUNDED = 1e-9  # distance from 1 of a multiplier that may be 1 ...
+BESIDE_THE_FLOW = 1e-5  # ... and of one beside that of the flow, which both are off by a root of it
 ROUNDING = 1e-9  # of the extent: a distance that says nothing
 
 
@@ -66,7 +67,7 @@ def is_drawn_to_cycle(problem: Problem, motion: Motion, period: float) -> bool:
     if found is None or np.abs(found[0] - conditions.start).max() > NEIGHBOUR:
         return False
     around = conditions.around(problem, found[0])
-    return around is not None and _orbit(problem, conditions, found[0], around).largest < ATTRACTING
+    return around is not None and _attracts(_orbit(problem, conditions, found[0], around))
 
 
 def _conditions(problem: Problem, motion: Motion, period: float) -> Shooting | None:
@@ -149,7 +150,12 @@ def _own(
     same = first.events == last.events
     allowed = max(REACH * gap / max(1.0 - orbit.largest, 1e-300), ROUNDING)
     close = moved <= min(allowed, NEIGHBOUR) and orbit.residual <= CLOSED
-    return orbit if orbit.stable and same and close else None
+    return orbit if _attracts(orbit) and same and close else None
+
+
+def _attracts(orbit: Orbit) -> bool:
+    """Whether neighbours come nearer, and do not only seem to by rounding."""
+    return orbit.largest < 1.0 - (BESIDE_THE_FLOW if orbit.autonomous else ROUNDED)
 
 
 def _orbit(problem: Problem, conditions: Shooting, unknowns: Vector, around: Passage) -> Orbit:

@@ -25,12 +25,17 @@ linear slide from here leads to is asked, and its modes that neither grow nor de
 A state in which all contacts stick and nothing
 moves, without excitation, is one too. `decay_margin` is 1 - V/c when it was told.
 
+*A neutral oscillation*, which has no attractor. Where the eigenvalues of sliding are on the
+imaginary axis to `HURWITZ` nothing is told to first order: over `FEWEST` turning points V must be
+the same to `KEPT`, or stationary as a section set is below. Otherwise the motion runs on and, when
+its time is up, the point is nonhyperbolic.
+
 *Periodic.* The section repeats to `NEARLY` and ever closer; then Newton's method on the return map
 closes the motion within `CLOSED` of its extent (`cycle_residual`), over the same sequence of
 contacts, no further away than `REACH` times what the contraction leaves of the gap, nor than
-`NEIGHBOUR` of the extent; and every nontrivial multiplier is below 1. A cycle that fails is none
-of the motion's own: it runs on, and the next attempt waits for `CLOSER` (as close as SETTLED), or
-for twice the time. Where the section repeats to `EARLY` only, the return map must be linear as far
+`NEIGHBOUR` of the extent; and every nontrivial multiplier is below 1 by more than its
+rounding. A cycle that fails is none of the motion's own: it runs on, and the next attempt waits for
+`CLOSER` (as close as SETTLED), or for twice the time. Where the section repeats to `EARLY` only, the return map must be linear as far
 as the cycle besides: the first step of Newton's method leads there, but for `STRAIGHT` of the way.
 Under an excitation a slide, or what has met no section, is asked at the end of its time anyway:
 of few periods, a repetition that is down to rounding comes no closer.
@@ -56,6 +61,7 @@ SAMPLES = 12  # points of a level set at which that is looked at
 LEADING = 0.1  # modes with this share of the largest contribution to the level are looked at
 AGREEMENT = 0.25  # of a measured rate of decay with that of the eigenvalue
 FALLEN = 0.5  # share to which the level falls meanwhile
+KEPT = 1e-6  # share of itself by which the level of a neutral oscillation may vary
 
 # --- periodic
 NEARLY = 1e-5  # repetition of the section, over its values, at which a cycle is first looked for

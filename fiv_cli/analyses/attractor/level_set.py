@@ -210,7 +210,7 @@ def level_sets(
 def undamped_level(
     sliding: Sliding, equilibria: Vector, jacobians: Real, states: Vector
 ) -> NDArray[np.float64]:
-    """V over c of slides whose modes neither grow nor decay, in rows.
+    """V over c of slides whose modes neither grow nor decay, in rows, or all of one equilibrium.
 
     Below 1 such a slide meets no switching surface, ever; above it may, and sooner or later does
     where its frequencies have no common period.

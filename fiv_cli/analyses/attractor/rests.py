@@ -124,13 +124,13 @@ class Rests:
             values = [value for value in values if abs(value) > slow]
         return abs(max(value.real for value in values)) <= slow
 
-    def undamped_level(self, state: Vector) -> float:
-        """V over c of a slide about the first equilibrium, where that is neutral; NaN without."""
+    def undamped_levels(self, states: NDArray[np.float64]) -> NDArray[np.float64]:
+        """V over c of slides about the first equilibrium, where that is neutral; NaN without."""
         first, row = np.flatnonzero(self.landscape.owners == self.row), [self.row]
         if not first.size or self.first is None:
-            return float("nan")
+            return np.full(len(states), np.nan)
         here = self.landscape.unexcited[row], self.first[None], self.landscape.jacobians[first]
-        return float(undamped_level(*here, state[None])[0])
+        return undamped_level(*here, states)
 
     @property
     def longest_beat(self) -> float:

@@ -30,6 +30,7 @@ from fiv_cli.analyses.attractor.grounds import (
     CLOSER,
     EARLY,
     GROWN,
+    KEPT,
     NEARLY,
     REGULAR,
     RESTING,
@@ -49,6 +50,7 @@ from fiv_cli.analyses.attractor.own_section import (
     own_section,
     recorded,
     tells_more,
+    turning_points,
 )
 from fiv_cli.analyses.attractor.rests import Rests, rests_at
 from fiv_cli.analyses.attractor.settling import (
@@ -57,7 +59,7 @@ from fiv_cli.analyses.attractor.settling import (
     nearest_return,
     settled_period,
 )
-from fiv_cli.analyses.attractor.stationarity import drift, parting
+from fiv_cli.analyses.attractor.stationarity import FEWEST, drift, parting
 from fiv_cli.analyses.attractor.watch import ALMOST, FOLLOW, Watch, watch_over
 from fiv_cli.analyses.base import EACH, Outcome, Request, Section, Settings
 from fiv_cli.analyses.common import (
@@ -259,6 +261,7 @@ class _Response:
         self.waiting_until = 0.0  # ... and the time before which it is not
         self.n_early = 0  # attempts before that
         self.is_unconfirmed = False  # the section repeated, and no cycle was found
+        self.is_nonhyperbolic = False  # nonlinear terms lead to a neutral equilibrium, or off
         self.in_passing = request.in_passing
         self.tells_powers = self.settings.get("powers") != "none"
         self.tells_works = self.settings.get("powers") == EACH
@@ -496,7 +499,9 @@ class _Response:
 
         It is measured over a beat of its frequencies. None: it may slide for a while only.
         """
-        if self._is_sliding() and self.rests.undamped_level(self.motion.y) > 1.0 + UPON:
+        if self._is_sliding() and self.rests.undamped_levels(self.motion.y[None])[0] > 1.0 + UPON:
+            return None
+        if not self._keeps_its_level():
             return None
         begun, last_event = self.motion.time, self.watch.last_event
         beat = min(self.rests.longest_beat, self.settings["t_max"] - begun)
@@ -506,6 +511,20 @@ class _Response:
         outcome.reason = "neutral_oscillation"
         outcome.values["attractor"] = "undecided"
         return outcome
+
+    def _keeps_its_level(self) -> bool:
+        """Whether a slide goes on, and keeps its distance from a neutral equilibrium."""
+        events, turns = self.motion.n_events, np.zeros((FEWEST, len(self.motion.y)))
+        section = turning_points(self.system, self.system.state_names[self.observed])
+        room = np.zeros(FEWEST), turns, NO_WORKS
+        self.stop = self.motion.run(self.settings["t_max"], section, room)
+        if self.motion.n_events > events or not self._goes_on:
+            self.watch.last_event = self.motion.time
+            return False
+        levels = self.rests.undamped_levels(turns[: self.motion.n_sections])
+        varies = float(np.ptp(levels)) > KEPT * levels.max(initial=0.0) if levels.size else False
+        self.is_nonhyperbolic = varies and drift(levels[:, None]) != 0.0
+        return not self.is_nonhyperbolic
 
     def _forced_sliding(self) -> Outcome | None:
         """Does a motion that never sticks repeat with the excitation? None: it sticks again.
@@ -795,7 +814,8 @@ class _Response:
             return "undecided", "cycle_not_confirmed"
         begun = outcome.values["transient_used"]
         if self.watch.asks_waiting and self.excitation is None and self.watch.last_event <= begun:
-            return "undecided", "time_budget"  # what slides between two events is no torus
+            # what slides between two events is no torus
+            return "undecided", "nonhyperbolic" if self.is_nonhyperbolic else "time_budget"
         if self.watch.count == 0:
             slides = self._is_quiet() and self.excitation is None
             return "undecided", "slide_not_decided" if slides else "no_section_points"

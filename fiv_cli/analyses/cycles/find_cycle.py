@@ -92,7 +92,8 @@ def _reached(problem: Problem, request: Request, begin: Begin) -> Outcome:
         if len(passed.times) < 2:
             outcome = stopped(passed.stop) or _without_return(at, passed, settings)
             continue
-        cycle = _closed(at, guesses(at, begin, passed, settings["multiplicity"]))
+        asked = settings["multiplicity"], settings["transient"]
+        cycle = _closed(at, guesses(at, begin, passed, *asked))
         if cycle is not None:
             return _told(at, cycle, request)
         outcome, last = Outcome(reason="no_cycle"), (at, passed)
@@ -143,13 +144,14 @@ def _course(
     many = (len(early) - 1) // 2
     if many < LEAST_RETURNS:
         return ""
-    first, last = swing(early[0], early[many]), swing(late[-1 - many], late[-1])
+    first, last = swing(transient, early[many - 1]), swing(late[-1 - many], late[-1])
     if not abs(last - first) > SETTLED * first > 0.0:
         return ""
-    course, size = ("dies away", "greater") if last < first else ("grows", "smaller")
+    course, other = ("dies away", "more") if last < first else ("grows", "less")
     return (
-        f"; over its first returns it swings by {first:.3g}, later by {last:.3g}: so far it "
-        f"{course}, to where a longer t_max shows; a cycle that repels would be {size}"
+        f"; followed up to t = {late[-1]:.6g} s, it swings by {first:.3g} over its first {many} "
+        f"returns and by {last:.3g} over its last: so far it {course}, to where a longer t_max "
+        f"shows; a start beside a cycle that repels swings by {other} at first"
     )
 
 

@@ -6,7 +6,8 @@ motion settles, early ones where it passes an unstable cycle.
 
 A motion that comes by an unstable cycle and then settles is closest to itself where it settles.
 Where nothing comes of that, the first places are tried at which it came closer to itself than
-before and after.
+before and after, and at last the start, which may lie beside a cycle that the motion leaves before
+it first meets the section.
 """
 
 from __future__ import annotations
@@ -74,15 +75,15 @@ def returns(problem: Problem, begin: Begin, transient: float, t_max: float) -> R
 
 
 def near_returns(
-    problem: Problem, passed: Returns, multiplicity: int | None
+    problem: Problem, passed: Returns, multiplicity: int | None, begun: float
 ) -> list[tuple[float, float]]:
     """Times of the two ends of near-returns, the most promising first.
 
     For each number of returns the closest pair counts; fewer returns come first among equals. Then
-    come the first passages.
+    come the first passages, and from where the motion has `begun` the time between first returns.
     """
     numbers = range(1, RETURNS + 1) if multiplicity is None else (multiplicity,)
-    closest, passages = [], []
+    closest, passages, starts = [], [], []
     for m in numbers:
         if len(passed.times) <= m:
             continue
@@ -92,7 +93,8 @@ def near_returns(
         if np.isfinite(apart[best]):
             closest.append((max(apart[best], CLOSE) * m, *pairs[best]))
             passages += [pairs[at] for at in _passages(apart)]
-    return [(begun, ended) for _, begun, ended in sorted(closest)] + passages
+            starts.append((begun, begun + float(spans[0])))
+    return [(one, other) for _, one, other in sorted(closest)] + passages + starts
 
 
 def _passages(apart: Vector) -> list[int]:
@@ -141,10 +143,10 @@ def guess_between(problem: Problem, begin: Begin, begun: float, ended: float) ->
 
 
 def guesses(
-    problem: Problem, begin: Begin, passed: Returns, multiplicity: int | None
+    problem: Problem, begin: Begin, passed: Returns, multiplicity: int | None, transient: float
 ) -> Iterator[Guess]:
     """Guesses of cycles, the most promising first."""
-    for begun, ended in near_returns(problem, passed, multiplicity):
+    for begun, ended in near_returns(problem, passed, multiplicity, transient):
         guess = guess_between(problem, begin, begun, ended)
         if guess is not None:
             yield guess
