@@ -1285,6 +1285,21 @@ def test_a_branch_beyond_the_grid_is_followed_to_what_happens_to_it_only():
     assert 0.0 < ax.get_xlim()[0] < 0.1
 
 
+@pytest.mark.parametrize(
+    ("known", "dashes", "marker"),
+    [([2], "None", "o"), ([0, 1, 3], "--", "o"), ([0, 1, 2], "--", "None")],
+)
+def test_a_cycle_that_no_line_leads_to_is_a_mark_that_the_legend_has(known, dashes, marker):
+    cycles = cycles_along_the_grid()
+    found = np.isin(np.arange(46), known)
+    for name in ("phi_min", "phi_max"):
+        cycles[name] = cycles[name].where(xr.DataArray(found, dims="Omega"))
+    drawn = draw({"response": data.bifurcation(), "cycle": cycles}, figure("bifurcation"))
+    called = r"unstable cycle: extremes of $\varphi$"
+    (entry,) = [line for line in drawn.axes[0].lines if line.get_label() == called]
+    assert (entry.get_linestyle(), entry.get_marker()) == (dashes, marker)
+
+
 def test_cycles_of_the_grid_are_drawn_at_the_section_of_the_diagram():
     cycles = cycles_along_the_grid()
     sizes = xr.full_like(cycles["phi_min"], 2, int).assign_attrs(sample_dimension="section_obs")

@@ -654,6 +654,33 @@ def test_crossings_are_joined_in_order_or_by_their_mode():
     assert drawn == [[[1.0, 1.0], [2.0, 1.1], [3.0, 1.2], [4.0, 1.3]], [[2.0, 0.2]]]
 
 
+@pytest.mark.parametrize(("role", "lines"), [("speed", 2), ("preload", 1)])
+def test_no_line_leads_over_a_drive_that_stands_still(role, lines):
+    """Nor is one said to be missing there."""
+    dataset = data.crossings().isel(crossing=[1], R=[0, 0, 0, 0])
+    dataset = dataset.assign_coords(R=("R", [-2.0, -1.0, 1.0, 2.0], {"role": role}))
+    dataset["critical_value"][:], dataset["crossing_mode"][:] = [[1.3], [1.2], [1.1], [1.0]], 2
+    (ax,) = draw(dataset, figure("curve")).axes
+    assert len([line for line in ax.lines if len(line.get_xdata()) > 1]) == lines
+    assert "not joined" not in "".join(style.notes_on(ax.figure))
+    value = dataset["critical_value"].isel(crossing=0).rename("L_s")
+    of_motions = dataset[["status"]].assign(L_s=value, attractor=dataset["status"] * 0 + 1)
+    (ax,) = draw(of_motions, figure("curve", variable="L_s")).axes
+    (line,) = [line for line in ax.lines if len(line.get_xdata()) > 2]
+    assert np.isnan(line.get_ydata()).sum() == lines - 1
+
+
+def test_lines_that_run_along_the_axis_upon_one_another_are_each_seen():
+    """Of three preloads whose L_s is zero from 2 rad/s on; dashes tell it from another variable."""
+    dataset = over_preloads()
+    dataset["other"] = (dataset["L_s"] + 50.0).assign_attrs(units="rad2", long_name="other")
+    dataset["L_s"] = dataset["L_s"].where(dataset["Omega"] < 2.0, 0.0)
+    (ax,) = draw(dataset, figure("curve", x="Omega", variable=["L_s", "other"])).axes
+    along = [line for line in ax.lines if np.nanmax(line.get_ydata(), initial=0.0) == 0.0]
+    widths = {line.get_linewidth() for line in along if len(line.get_xdata())}
+    assert len(widths) == 2 and min(widths) > mpl.rcParams["lines.linewidth"]
+
+
 @pytest.mark.parametrize(
     ("heights", "modes", "lines"),
     [

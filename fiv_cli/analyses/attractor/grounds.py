@@ -35,8 +35,9 @@ closes the motion within `CLOSED` of its extent (`cycle_residual`), over the sam
 contacts, no further away than `REACH` times what the contraction leaves of the gap, nor than
 `NEIGHBOUR` of the extent; and every nontrivial multiplier is below 1 by more than its
 rounding. A cycle that fails is none of the motion's own: it runs on, and the next attempt waits for
-`CLOSER` (as close as SETTLED), or for twice the time. Where the section repeats to `EARLY` only, the return map must be linear as far
-as the cycle besides: the first step of Newton's method leads there, but for `STRAIGHT` of the way.
+`CLOSER` (as close as SETTLED), or for twice the time. Where the section repeats to `EARLY` only,
+the return map must be linear as far as the cycle besides: the first step of Newton's method leads
+there, but for `STRAIGHT` of the way.
 Under an excitation a slide, or what has met no section, is asked at the end of its time anyway:
 of few periods, a repetition that is down to rounding comes no closer.
 
