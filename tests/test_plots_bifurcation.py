@@ -1067,7 +1067,7 @@ def test_equilibria_that_leap_are_joined_by_no_line_and_no_table_has_a_place_bet
     between = [one[(one[:, 0] > x[9]) & (one[:, 0] < x[10]), 1] for one in lines if len(one) > 2]
     assert any(one.size for one in between) and np.isnan(np.concatenate(between)).all()
     rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
-    told = {float(row["x"]) for row in rows if "equilibrium" in row["series"]}
+    told = {float(row["x"]) for row in rows if row["series"].endswith("able equilibrium")}
     assert told == {*x}
 
 
@@ -1104,7 +1104,7 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     assert {colour: [at] for colour, at in begin.items()} == turns  # ... of which each is marked
     assert "equilibrium turns unstable" in legend_texts(ax)
     (ax,) = draw([("one", analyses)], figure("bifurcation")).axes
-    assert "|" not in {line.get_marker() for line in ax.lines}
+    assert "|" not in {line.get_marker() for line in ax.lines if line.get_visible()}
     short = {name: one.isel(Omega=slice(35)) for name, one in analyses.items()}
     (ax,) = draw([("all", analyses), ("part", short)], figure("bifurcation")).axes
     drawn = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
@@ -1154,6 +1154,15 @@ def test_lines_of_equilibria_meet_where_a_critical_value_says_or_midway(found, m
     assert [at for at in stable[:, 0] if at in unstable[:, 0]] == [met]
     np.testing.assert_allclose(stable[:, 1], 0.01 * stable[:, 0])
     assert stable[0].tolist() == unstable[-1].tolist()
+    others = critical.assign(critical_value=critical["critical_value"] + 1.0)
+    of_several = xr.concat([critical, others], "c")
+    of_several = of_several.assign_coords(c=[0.1, 0.2]).assign_attrs(critical.attrs)
+    here = {name: one.assign_coords(c=0.1) for name, one in with_eigenvalues().items()}
+    for apart in (of_several, of_several.isel(c=[0])):  # of one value, and of that among others
+        (ax,) = draw([("", here), ("critical", apart)], figure("bifurcation")).axes
+        (line,) = [one for one in ax.lines if one.get_label() == "stable equilibrium"]
+        drawn = line.get_xydata()
+        np.testing.assert_array_equal(drawn[np.isfinite(drawn[:, 1])], stable)
     other = critical["critical_value"].assign_attrs(long_name="critical value of N0")
     with pytest.raises(UsageError, match="critical: nothing that a bifurcation diagram"):
         draw(
@@ -1175,8 +1184,10 @@ def test_lines_of_equilibria_meet_where_growth_rates_are_zero_without_a_critical
     told = {str(one.get_label()): one.get_xdata().tolist() for one in ax.lines
             if one.get_marker() == "|" and len(one.get_xdata())}  # fmt: skip
     assert told["_one, read between points, equilibrium turns unstable"] == pytest.approx([2.93])
-    rows = as_csv(draw(analyses, figure("bifurcation")), Path("a.csv"))
-    assert "2.93" not in rows  # a line leads there, and nothing was computed
+    table = as_csv(draw(analyses, figure("bifurcation")), Path("a.csv"))
+    rows = [row for row in csv.DictReader(table.splitlines()) if row["x"] == "2.93"]
+    # the lines lead there, where nothing was computed: that is told by their end alone
+    assert [row["series"] for row in rows] == ["read between points, equilibrium turns unstable"]
     assert "equilibrium turns unstable" in legend_texts(ax)
 
 

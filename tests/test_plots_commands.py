@@ -457,6 +457,12 @@ def test_show_tells_few_points_one_by_one_each_answer_with_its_error():
         ["1", "2.500", "±", "0.025", "to_stable", "ok"],
         ["2", "ok,", "no_crossing"],
     ]
+    near = summary_lines(summarise({"": dataset.assign_coords(N=[1.0, 1.00000001])}))
+    assert [line.split()[0] for line in near[near.index(text[row]) + 2 :][:3]] == [
+        "1",
+        "1",
+        "1.00000001",
+    ]
     many = xr.concat([dataset] * 20, "N").assign_coords(N=np.arange(40.0))
     assert "    and 16 more points" in summary_lines(summarise({"": many}))
     single = data.bifurcation()  # of one answer at each of 92 points

@@ -689,6 +689,22 @@ def test_of_several_levels_the_one_next_to_rest_lies_between_rest_and_motion(ove
     assert any("it lies in the jump" in note for note in style.notes_on(drawn))
 
 
+def test_no_level_of_a_difference_follows_a_jump_but_the_one_next_to_none():
+    """Two starts of which both, one, or none vibrate: the border between the first two, y = 10 x,
+    has no line, that between the last two, y = 5 x, one of the level next to zero."""
+    dataset = data.stability_map(nx=96, ny=97)
+    dataset["L_s"] = dataset["L_s"] * xr.DataArray([1.0, 2.0], dims="initial")
+    take = {"what": "difference", "over": ["initial"]}
+    drawn = draw(dataset, figure("map", variable="L_s", take=take, level=[5e-4, 1e-3, 2e-3]))
+    along = {}
+    for lines in drawn.findobj(ContourSet):
+        x, y = np.concatenate(lines.allsegs[0]).T
+        counts = [np.count_nonzero(abs(y / x - slope) < 0.05 * slope) for slope in (5.0, 10.0)]
+        along[float(lines.levels[0])] = counts
+    assert along[5e-4][0] > 20
+    assert all(max(counts) < 5 for level, counts in along.items() if level > 5e-4)
+
+
 @pytest.mark.parametrize("width", [60.0, 84.0, 200.0])
 def test_levels_written_on_lines_that_run_close_do_not_lie_on_each_other(width):
     dataset = data.stability_map(initial=("reached",), nx=96, ny=97)

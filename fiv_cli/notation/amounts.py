@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from math import floor, inf, isfinite, log10
 
 MINUTE, HOUR, DAY = 60.0, 3600.0, 86400.0
@@ -29,6 +30,19 @@ def size(count: float) -> str:
         if count < 1e3 * length:
             return f"{_two_digits(count / length)} {unit}"
     return f"{_two_digits(count / 1e12)} TB"
+
+
+def told_apart(values: Collection[float]) -> list[str]:
+    """Numbers in six digits, or in as many as tell them apart.
+
+    >>> told_apart([0.3, 0.301]), told_apart([0.3, 0.30000001])
+    (['0.3', '0.301'], ['0.3', '0.30000001'])
+    """
+    for digits in range(6, 17):
+        texts = [f"{value:.{digits}g}" for value in values]
+        if len({*texts}) == len({*values}):
+            return texts
+    return [f"{value:.17g}" for value in values]
 
 
 def with_error(value: float, error: float | None) -> str:

@@ -146,13 +146,16 @@ def _draw_all_equilibria(
     axis: xr.DataArray,
     observed: str,
 ) -> None:
-    """Draw the equilibria of every diagram, with marks where some that are one line turn."""
+    """Draw the equilibria of every diagram, with marks where some that are one line turn.
+
+    Of others a table alone has where they turn: in a figure the dashes tell it.
+    """
     drawn = [
         draw_equilibria(ax, layer, lines, changes_along(layer, others, axis, observed), axis)
         for layer, lines in zip(shown, equilibria, strict=True)
     ]
-    if any(shares for _, shares in drawn):
-        mark_turns(ax, [turn for turns, _ in drawn for turn in turns])
+    turns = [turn for turns, _ in drawn for turn in turns]
+    mark_turns(ax, turns, seen=any(shares for _, shares in drawn))
 
 
 def _name_marks(ax: Axes, marks: Sequence[Line2D], diagram: xr.Dataset) -> None:
@@ -283,7 +286,8 @@ def _refuse_apart(
         raise UsageError(
             f"{layer.label}: nothing that a bifurcation diagram along {axis.name} shows\n"
             "next: draw it alone (fiv plot FILE.nc); what would be shown are section values, and "
-            "at the same parameters, along the same axis, answers of `cycle` and `eigenvalues`"
+            "at the same parameters, along the same axis, answers of `cycle`, `eigenvalues` or "
+            "`critical`"
         )
 
 

@@ -37,9 +37,13 @@ TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zor
 
 def critical_values(dataset: xr.Dataset, axis: xr.DataArray) -> np.ndarray:
     """Where along an axis modes turn stable or unstable; none of what has other axes as well."""
-    if "critical_value" not in dataset or dataset["critical_value"].dims != ("crossing",):
+    if "critical_value" not in dataset:
         return np.zeros(0)
-    found = dataset["critical_value"].dropna("crossing")
+    others = [d for d, size in dataset["critical_value"].sizes.items() if size == 1]
+    found = dataset["critical_value"].squeeze([d for d in others if d != "crossing"])
+    if found.dims != ("crossing",):
+        return np.zeros(0)
+    found = found.dropna("crossing")
     is_along = str(found.attrs.get("long_name", "")).endswith(f" of {axis.name}")
     return np.sort(found.values) if is_along else np.zeros(0)
 
@@ -270,7 +274,7 @@ def draw_equilibria(
             of_line = (colour for name, colour in colours.items() if name.startswith(label))
             (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
                               color=next(of_line, style.BLACK), label=own)  # fmt: skip
-            leave_out(line, met)
+            leave_out(line, met[~known])
             shares |= _blacken_shared(ax, line)
             for part, how in ((known, ""), (~known, BETWEEN)) if word == "unstable" else ():
                 told = points.unlisted(label, how, TURNS_HERE)
@@ -280,13 +284,14 @@ def draw_equilibria(
     return turns, shares
 
 
-def mark_turns(ax: Axes, turns: Sequence[Line2D]) -> None:
+def mark_turns(ax: Axes, turns: Sequence[Line2D], seen: bool) -> None:
     """Where each of several equilibria that are one line turns unstable: the line tells of none."""
     pairs = [(one, np.array(one.get_data(), float)) for one in turns]
-    seen = [(one, places) for one, places in pairs if places.size]
-    for one, places in seen:
-        ax.plot(*places, color=one.get_color(), label=one.get_label(), **TURN)
-    if seen:
+    known = [(one, places) for one, places in pairs if places.size]
+    for one, places in known:
+        look = {**TURN, "color": one.get_color(), "label": one.get_label(), "visible": seen}
+        ax.plot(*places, **look)
+    if known and seen:
         ax.plot([], [], color=style.BLACK, label=TURNS_HERE, **TURN)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -275,7 +275,8 @@ def beside(plane: np.ndarray, level: float) -> str:
     sides = {side(part, level) for part in plane} - {NOT_KNOWN}
     if "" in sides or len(sides) < 2:
         return "" if "" in sides else "".join(sides) or NOT_KNOWN
-    return IN_A_JUMP if _jumps_over(*plane, level=level) else ALONE
+    jumps = (_jumps_over(*pair, level=level) for pair in combinations(plane, 2))
+    return IN_A_JUMP if any(jumps) else ALONE
 
 
 def _jumps_over(one: np.ndarray, other: np.ndarray, *, level: float) -> bool:

@@ -29,6 +29,7 @@ from fiv_cli.reading.datasets import (
     is_count,
     numbers,
 )
+from fiv_cli.reading.take import MOVING
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -172,21 +173,25 @@ class _Planes:
         return array.isel(own).transpose(*reversed(self.dims)).values
 
     @cached_property
-    def rests(self) -> xr.DataArray:
-        """Where an equilibrium is reached, as far as that is known."""
+    def moving(self) -> xr.DataArray:
+        """0 where an equilibrium is reached, as far as that is known; of a difference, by both."""
         reached = self.dataset.get("attractor")
+        if MOVING in self.dataset:
+            return self.dataset[MOVING]
         if reached is None or not {*reached.dims} <= {*self.array.dims}:
-            return self.computed & False
-        return is_class(reached, ("equilibrium",))
+            return self.computed * 0 + 1
+        return 1 - is_class(reached, ("equilibrium",))
 
     def ends(self, panel: points.Line, *, apart: bool = False) -> list[np.ndarray]:
         """The numbers of one panel (of an interval, at each end), NaN where there is no answer.
 
         They are stacks (`levels`) of one part or, `apart`, of what rests and of all else.
         """
-        settled, rests = self.of(self.settled, panel), self.of(self.rests, panel)
-        parts = np.stack([settled & rests, settled & ~rests] if apart else [settled])
-        return [np.where(parts, self.of(end, panel), np.nan) for end in self._numbers]
+        settled, moving = self.of(self.settled, panel), self.of(self.moving, panel)
+        most = int(self.moving.max())
+        parts = [settled & (moving == kind) for kind in range(most + 1)] if apart else [settled]
+        stack = np.stack(parts)
+        return [np.where(stack, self.of(end, panel), np.nan) for end in self._numbers]
 
     @cached_property
     def _numbers(self) -> list[xr.DataArray]:

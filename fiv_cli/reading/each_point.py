@@ -5,7 +5,7 @@ Likewise of branches of cycles: a row for each change of one, and each end.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from fiv_cli.analyses.catalogue import named
 from fiv_cli.analyses.variables import Role
 from fiv_cli.flags import NOT_COMPUTED
-from fiv_cli.notation.amounts import with_error
+from fiv_cli.notation.amounts import told_apart, with_error
 from fiv_cli.notation.tables import plain_table
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import error_of, flag_names, numbers, standard_error_of
@@ -105,8 +105,9 @@ def _told(array: xr.DataArray) -> list[Any]:
     return [value if np.isfinite(value) else None for value in values]
 
 
-def lines(rows: Sequence[Row], units: Mapping[str, str], points: int) -> list[str]:
-    """The same for people."""
+def lines(part: Mapping[str, Any], units: Mapping[str, str], points: int) -> list[str]:
+    """The same for people, of the part of a summary that one analysis has."""
+    rows = part["each_point"]
     if not rows:
         return []
     more = points - MOST_POINTS
@@ -114,25 +115,38 @@ def lines(rows: Sequence[Row], units: Mapping[str, str], points: int) -> list[st
     meant = [f"± of {', '.join(by_chance)} of what has no period: standard error"] * bool(by_chance)
     return [
         " ".join(["  at each point:", *meant]),
-        *_table(rows, units),
+        *_table(rows, part["axes"], units),
         *[f"    and {more} more points"] * (more > 0),
     ]
 
 
-def lines_of_ends(rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
+def lines_of_ends(part: Mapping[str, Any], units: Mapping[str, str]) -> list[str]:
     """The same of branches."""
+    rows = part.get("branch_ends", ())
     if not rows:
         return []
     more = len(rows) - MOST_ENDS
     head = "  where branches change or end, in their order (direction 1: the parameter rises):"
-    return [head, *_table(rows[:MOST_ENDS], units), *[f"    and {more} more"] * (more > 0)]
+    return [
+        head,
+        *_table(rows[:MOST_ENDS], part["axes"], units),
+        *[f"    and {more} more"] * (more > 0),
+    ]
 
 
-def _table(rows: Sequence[Row], units: Mapping[str, str]) -> list[str]:
+def _table(rows: Sequence[Row], axes: Collection[str], units: Mapping[str, str]) -> list[str]:
     names = [name for name in rows[0] if not name.endswith("_error") and name != "reason"]
     heads = [f"{name} ({units[name]})" if units.get(name, "1") != "1" else name for name in names]
-    table = plain_table(heads, [[_cell(row, name) for name in names] for row in rows])
+    columns = [_column(rows, name, name in axes) for name in names]
+    table = plain_table(heads, [*zip(*columns, strict=True)])
     return [f"    {line}" for line in table]
+
+
+def _column(rows: Sequence[Row], name: str, is_axis: bool) -> list[str]:
+    values = [row[name] for row in rows]
+    if is_axis and all(isinstance(value, float) for value in values):
+        return told_apart(values)
+    return [_cell(row, name) for row in rows]
 
 
 def _cell(row: Row, name: str) -> str:

@@ -14,7 +14,7 @@ from fiv_cli.analyses.variables import OF_MOTION, Role, Variable
 from fiv_cli.case.identity import MOTION, STEADY_STATE
 from fiv_cli.data.refined import described, in_full
 from fiv_cli.flags import ENDED_EARLY, NOT_COMPUTED, REASON, advice, left_out
-from fiv_cli.notation.amounts import with_error
+from fiv_cli.notation.amounts import told_apart, with_error
 from fiv_cli.reading import each_point, over_laws, over_starts, select, shares, small
 from fiv_cli.reading.claims import point_name
 from fiv_cli.reading.datasets import (
@@ -269,9 +269,9 @@ def _part(name: str, part: Mapping[str, Any]) -> list[str]:
         *_range_lines(part["ranges"], _at_edges(part["counts"])),
         *([_impact_line(part["into_impacts"])] if "into_impacts" in part else []),
         *(f"  {line}" for line in small.lines(part["beyond_small"])),
-        *each_point.lines(part["each_point"], _units(part), prod(part["dims"].values())),
+        *each_point.lines(part, _units(part), prod(part["dims"].values())),
         *([f"  branches begin at {part['branches_begin']}"] if "branches_begin" in part else []),
-        *each_point.lines_of_ends(part.get("branch_ends", ()), _units(part)),
+        *each_point.lines_of_ends(part, _units(part)),
         *_scan_lines(part),
         *over_laws.lines(part["over_laws"]),
         *_trust_lines(part["trust"]),
@@ -304,7 +304,7 @@ def _axis_line(axis: Mapping[str, Any]) -> str:
     if axis["size"] == 1:
         return f"{axis['first']:g}{_unit(axis)}"
     if "each" in axis and axis["size"] <= MOST_NAMES:
-        return f"{', '.join(f'{value:g}' for value in axis['each'])}{_unit(axis)}"
+        return f"{', '.join(told_apart(axis['each']))}{_unit(axis)}"
     if "each" in axis:
         low, high = min(axis["each"]), max(axis["each"])
         return f"within {low:g} and {high:g}{_unit(axis)}, {axis['size']} values"

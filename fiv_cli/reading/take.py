@@ -34,6 +34,8 @@ from fiv_cli.reading.datasets import (
     unknown_points,
 )
 
+MOVING = "moving"
+
 
 @dataclass(frozen=True)
 class _Taking:
@@ -87,7 +89,7 @@ def taken(
     -------
     xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``,
         ``WHAT_error`` of what may be off, and ``status``. Where nothing is known they are NaN, and
-        the status is that of some point there
+        the status is that of some point there. Of a difference `MOVING` says which of both vibrate
 
     Raises
     ------
@@ -111,6 +113,8 @@ def taken(
     if what in _MOVED and error_of(variable) in dataset:
         off = dataset[error_of(variable)].fillna(math.inf).where(array.notnull())
         interval[f"{what}_error"] = _moved(what, numbers(array), off, _dims(axes))
+    if what == "difference" and "attractor" in dataset:
+        interval[MOVING] = _moving(dataset["attractor"], axes)
     named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take, axes[0])}
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
@@ -123,6 +127,12 @@ def _looked_at(dataset: xr.Dataset, take: Mapping[str, Any]) -> xr.Dataset:
     if axis.size < 2:
         raise select.SelectionError(f"{axis.name}: one value alone, which differs from no other")
     return dataset.isel({str(axis.dims[0]): [0, -1]})
+
+
+def _moving(attractor: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
+    """Which of two ends vibrate: 0 none, 1 the first, 2 the last, 3 both."""
+    (dim,), rests = _dims(axes), is_class(attractor, ("equilibrium",))
+    return (~rests * xr.DataArray([1, 2], dims=dim)).sum(dim)
 
 
 def _moved(what: str, array: xr.DataArray, off: xr.DataArray, dims: list[str]) -> xr.DataArray:
