@@ -468,7 +468,7 @@ def test_where_a_class_begins_and_ends_along_the_axis(take, value):
     ):
         found = tried(sweep(PERIODIC), "attractor", expect, take=take)
         assert (found.verdict, expect) == (verdict, expect)
-        between = "1 may lie anywhere up to the next value of the axis" in found.found
+        between = "1 may lie anywhere up to the value of the axis before it" in found.found
         steps = "mu_k goes in steps of 0.1: a `boundary` finds what lies between" in found.found
         assert (between, steps) == (verdict == UNDETERMINED, verdict != CONFIRMED)
         assert f"found {value:g}" + " (an end of the axis)" * at_end in found.found

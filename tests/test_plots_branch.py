@@ -319,6 +319,28 @@ def test_a_branch_that_two_starts_lead_to_is_drawn_once(
     assert told[0] == told[1] and told[0]
 
 
+def test_of_two_variables_each_has_the_branch_of_the_file_that_tells_of_it(
+    fluttering: tuple[Any, Any],
+) -> None:
+    """And neither is said to lack one; of what no file tells one cycle is drawn."""
+    found, cycles = fluttering
+    of_y = cycles.copy()
+    for end in ("branch_min", "branch_max"):
+        words = cycles[end].attrs["long_name"].replace(" x ", " y ")
+        of_y[end] = cycles[end].assign_attrs(long_name=words)
+    asked = {"variable": ["x_amplitude", "y_amplitude"], "analysis": "response"}
+    spec = FigureSpec("curve", "curve", asked)
+    for files, lacking in (((cycles,), 1), ((cycles, of_y), 0)):
+        layers = [("", found), *((f"of {number}", one) for number, one in enumerate(files))]
+        (ax,) = draw(layers, spec).axes
+        told = [one for one in notes_on(ax.figure) if "tells of another state" in one]
+        assert len(told) == lacking and all('observe = "y"' in note for note in told)
+        lines = [line for line in ax.lines if len(line.get_xdata())]
+        branches = [str(line.get_label()) for line in lines if "cycle" in line.get_label()]
+        named = {state for state in "xy" if any(f"of ${state}$" in label for label in branches)}
+        assert named == ({"x"} if lacking else {"x", "y"})
+
+
 def test_a_curve_of_an_amplitude_has_the_branch_that_is_drawn_with_it(
     fluttering: tuple[Any, Any],
 ) -> None:
@@ -370,7 +392,7 @@ def test_a_branch_over_one_sweep_leaves_this_its_names_and_says_what_it_lacks(
     spec = FigureSpec("curve", "curve", {"variable": "x_dot_amplitude", "analysis": "response"})
     (note,) = notes_on(draw([("sweep", found), ("cycles", cycles)], spec))
     assert note.startswith("x_dot_amplitude of one cycle of cycles: its branch tells of another")
-    assert note.endswith('observe = "x_dot" in its analysis')
+    assert note.endswith('observe = "x_dot" in its analysis, or in that of a file drawn with it')
     none = cycles.isel(branch_obs=slice(0)).assign(branch_row_size=cycles["branch_row_size"] * 0)
     (note,) = notes_on(draw([("sweep", found), ("cycles", none)], spec))
     assert note == "no branch of cycles: of the starts drawn none found a cycle"

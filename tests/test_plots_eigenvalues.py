@@ -112,6 +112,25 @@ def test_the_dashes_of_several_lines_of_a_mode_are_seen_where_it_is_unstable():
         assert sum(np.isfinite(band.get_ydata()).sum() for band in bands) == int(unstable.sum())
 
 
+def test_critical_values_of_another_file_lie_where_growth_is_zero():
+    """Of each line those at its parameters; of what has none there it is said."""
+    stiff = data.eigenvalues().assign_coords(k=2.0)
+    lines = xr.concat([data.eigenvalues().assign_coords(k=1.0), stiff], "k")
+    lines = lines.assign_attrs(stiff.attrs)
+    found = {
+        "status": data.statuses(("k",), ["ok"] * 3),
+        "critical_value": (("k", "crossing"), [[0.5, np.nan], [0.6, 0.7], [0.9, np.nan]]),
+    }
+    critical = xr.Dataset(found, data.axes(k=[1.0, 2.0, 3.0]), data.attributes())
+    critical["critical_value"].attrs["long_name"] = "critical value of mu_k"
+    drawn = draw([("", lines), ("critical", critical)], figure("eigenvalues"))
+    places = marks(drawn.axes[0], "critical value of $\\mu_k$")
+    assert places.tolist() == [[0.5, 0.0], [0.6, 0.0], [0.7, 0.0]]
+    with pytest.raises(UsageError, match="no critical value of mu_k at parameters of these"):
+        other = critical.isel(k=[2])
+        draw([("", lines), ("critical", other)], figure("eigenvalues"))
+
+
 def test_a_mode_can_be_selected_by_its_number():
     dataset = data.eigenvalues().assign_coords(mode=range(4))
     top, _ = draw(dataset, figure("eigenvalues", select={"mode": 2})).axes

@@ -104,6 +104,23 @@ def test_shades_of_a_map_may_be_logarithmic(still):
     assert not isinstance(mesh.norm, LogNorm)
 
 
+def test_what_is_undecided_below_the_shades_has_not_that_of_their_end():
+    """A logarithm has none for it, but that of zero; of numbers the end of the bar tells it."""
+    dataset = data.stability_map()
+    dataset["reason"] = data.flags(
+        dataset["status"].dims,
+        np.where(dataset["attractor"] == dataset["attractor"][0, 0], "time_budget", "none"),
+        ("none", "time_budget"),
+    )
+    dataset["L_s"][0, 0] = 1e-12
+    for settings, count in (({"log": "z"}, 1), ({}, 0), ({"log": "z", "zlim": [1e-13, 1.0]}, 0)):
+        drawn = draw(dataset, figure("map", variable="L_s", **settings))
+        mesh = next(c for c in drawn.axes[0].collections if isinstance(c, QuadMesh))
+        shown = np.ma.filled(mesh.get_array().astype(float), np.nan)
+        assert int(np.isnan(shown[0, 0])) == count
+        assert ("no value: not reached, undecided" in legend_texts(drawn)) == bool(count)
+
+
 def test_cells_without_a_number_are_named_by_what_is_there():
     dataset = data.stability_map()
     moves = dataset["attractor"] == data.codes(data.ATTRACTORS, "periodic")

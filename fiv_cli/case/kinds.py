@@ -78,7 +78,11 @@ FIGURES = {
         ("x", "y", "variable", "take"),
     ),
     "branch": ("branches of cycles and their ends, along their parameter", ()),
-    "eigenvalues": ("growth rates and frequencies of modes, along an axis", ("x", "unit")),
+    "eigenvalues": (
+        "growth rates and frequencies of modes, along an axis; with critical values of another "
+        "case where growth is zero: fiv plot MODES.nc CRITICAL.nc --figure eigenvalues",
+        ("x", "unit"),
+    ),
     "history": ("states and forces in time", ("variable", "contact", "window")),
     "phase": (
         "one state, or force, against another",

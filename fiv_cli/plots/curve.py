@@ -177,15 +177,24 @@ def _of_branches_not_drawn(parts: Mapping[str, _Parts], axis: xr.DataArray) -> I
     for name, own in parts.items():
         for layer in own.values():
             dataset, (state, _, of) = layer.dataset, name.rpartition("_")
-            if not branch.leads_along(dataset, str(axis.name)):
+            leads = branch.leads_along(dataset, str(axis.name))
+            if not leads or _is_told_beside(layer, own, name, axis):
                 continue
             if not dataset[branch.ALONG].size:
                 yield f"no branch of {layer.label}: of the starts drawn none found a cycle"
             elif of in branch.OF_EXTREMES and not branch.is_along(dataset, str(axis.name), state):
                 yield (
                     f"{name} of one cycle of {layer.label}: its branch tells of another state; "
-                    f'observe = "{state}" in its analysis'
+                    f'observe = "{state}" in its analysis, or in that of a file drawn with it'
                 )
+
+
+def _is_told_beside(layer: points.Layer, own: _Parts, name: str, axis: xr.DataArray) -> bool:
+    """Whether a branch of another file tells a variable of cycles that this one's does not."""
+    state, _, of = name.rpartition("_")
+    tells = [branch.is_along(one.dataset, str(axis.name), state) for one in own.values()]
+    is_one = branch.leads_along(layer.dataset, str(axis.name)) and of in branch.OF_EXTREMES
+    return is_one and any(tells) and not branch.is_along(layer.dataset, str(axis.name), state)
 
 
 def _having(layers: Sequence[points.Layer], name: str) -> dict[int, points.Layer]:
@@ -259,11 +268,14 @@ def _lines(shown: _Shown) -> Iterator[tuple[int, Curve]]:
     for number, (place, own) in product(every, enumerate(shown.panels)):
         for name in [name for name in own if number in parts[name]]:
             part, rest = parts[name][number], len(parts[name]) - len(along[name])
+            if _is_told_beside(part, parts[name], name, axis):
+                continue
+            named = len(own) > 1
             curves = (
-                lines_of(part, name, len(own) > 1, of_panels, sorts, rest > 0)
+                lines_of(part, name, named, of_panels, sorts, rest > 0)
                 if any(part is one for one in along[name])
-                else lines_of_branches(part, name, axis, rest > 1, bool(along[name]))
-                or lines_without_axis(part, name, _first(parts[name]).dataset, axis)
+                else lines_of_branches(part, name, axis, named, rest > 1, bool(along[name]))
+                or lines_without_axis(part, name, named, _first(parts[name]).dataset, axis)
             )
             yield from ((place, curve) for curve in curves)
             if rest and name.endswith(AMPLITUDE):

@@ -299,12 +299,18 @@ def _narrowed(
 
 
 def lines_of_branches(
-    layer: points.Layer, name: str, axis: xr.DataArray, several: bool, beside_starts: bool
+    layer: points.Layer,
+    name: str,
+    axis: xr.DataArray,
+    named: bool,
+    several: bool,
+    beside_starts: bool,
 ) -> list[Curve]:
     """What branches along the abscissa tell of the variable, if there are any.
 
-    Those of `several` datasets, or of one with a name of its own, are called by that, and by their
-    start where nothing stands `beside_starts`: what of these leads there is not told by a branch.
+    They are called by the variable if that is `named`, those of `several` datasets, or of one with
+    a name of its own, by that, and by their start where nothing stands `beside_starts`: what of
+    these leads there is not told by a branch.
     """
     curves, own = [], layer.label if several or layer.dataset.attrs.get("called") else ""
     for line, word, x, y in branch.told_of(layer.dataset, str(axis.name), name):
@@ -312,24 +318,26 @@ def lines_of_branches(
         look: dict[str, Any] = {"dash": branch.DASHES.get(word, "-"), "mark": {"marker": "None"}}
         what = x, y, sure, (y, y), np.zeros(x.size)
         kept = {dim: told for dim, told in line.words.items() if dim != "initial"}
-        words = {DATASET: own, **(kept if beside_starts else line.words)}
+        called = labels.name_of(layer.dataset[name]) if named else ""
+        words = {VARIABLE: called, DATASET: own, **(kept if beside_starts else line.words)}
         curves.append(Curve(words, *what, **look, sort=f"{word} cycle"))
     return curves
 
 
 def lines_without_axis(
-    layer: points.Layer, name: str, first: xr.Dataset, axis: xr.DataArray
+    layer: points.Layer, name: str, named: bool, first: xr.Dataset, axis: xr.DataArray
 ) -> list[Curve]:
     """The values of a dataset that does not vary along the abscissa, each over all of it.
 
     One that differs from the first in its place there alone has that place.
     """
     array, x = numbers(layer.dataset[name]), points.positions(axis)
+    called = {VARIABLE: labels.name_of(array) if named else "", DATASET: layer.label}
     at = np.array([x.min(), x.max()])
     if _is_at_one_place(layer.dataset, first, axis):
         at = layer.dataset[axis.name].values.reshape(1).astype(float)
     flat = [
-        ({DATASET: layer.label, **line.words}, np.full(at.size, float(array.isel(line.index))))
+        ({**called, **line.words}, np.full(at.size, float(array.isel(line.index))))
         for line in points.lines(layer.dataset, [], [str(dim) for dim in array.dims])
     ]
     sure, mark = np.zeros(at.size, bool), {"marker": "None"} if at.size > 1 else PLACE

@@ -73,7 +73,7 @@ KINDS: dict[str, Kind] = {
     "basin": Kind(basin.suits, basin.draw, completed=True),
     "bifurcation": Kind(bifurcation.suits, bifurcation.draw, overlays=True, completed=True),
     "curve": Kind(curve.suits, curve.draw, overlays=True, unasked=curve.has_an_axis),
-    "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw),
+    "eigenvalues": Kind(eigenvalues.suits, eigenvalues.draw, completed=True),
     "history": Kind(history.suits, history.draw, overlays=True),
     "phase": Kind(phase.suits, phase.draw, overlays=True),
     "spectrum": Kind(spectrum.suits, spectrum.draw),

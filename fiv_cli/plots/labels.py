@@ -251,7 +251,7 @@ def _fixed_of_axes(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> str:
     """The parameters of one value here that others vary; "" of none."""
     axes = [one.coords[name] for one in others for name in one["status"].coords]
     varied = {axis.name for axis in axes if axis.size > 1}
-    kept = [value for name, value in dataset.coords.items() if name in varied]
+    kept = [dataset[name] for name in dataset.coords if name in varied - {_followed(dataset)}]
     alike: dict[tuple[object, float], list[xr.DataArray]] = {}
     for value in filter(_is_one_number, kept):
         alike.setdefault((value.attrs.get("units"), value.item()), []).append(value)
@@ -272,13 +272,24 @@ def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
 
 
 def fixed_otherwise(datasets: Sequence[xr.Dataset]) -> list[list[xr.DataArray]]:
-    """The parameters that all hold fixed, not all at one value: those of each dataset."""
+    """The parameters that all hold fixed, not all at one value: those of each dataset.
+
+    None is one that a branch follows: at which value it was begun says nothing of it.
+    """
+    followed = {_followed(one) for one in datasets}
     fixed = [
         [one[name] for one in datasets]
         for name in datasets[0].coords
         if all(name in one.coords and _is_one_number(one[name]) for one in datasets)
+        and name not in followed
     ]
     return [values for values in fixed if len({one.item() for one in values}) > 1]
+
+
+def _followed(dataset: xr.Dataset) -> str:
+    """The parameter that branches follow; "" where there are none."""
+    told = dataset["branch_value"].attrs.get("long_name", "") if "branch_value" in dataset else ""
+    return str(told).partition(" ")[0]
 
 
 def _is_one_number(coordinate: xr.DataArray) -> bool:

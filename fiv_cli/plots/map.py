@@ -573,10 +573,10 @@ def _paint_numbers(
     unsure = _unsure(planes)[MIDDLE]
     if is_count(str(planes.array.name)):  # between one and two there is no number
         values = values.where(~unsure)
+    low, high = shades or _shades(planes, values, logarithmic)
+    if logarithmic and not shades:  # below the shades there is that of zero alone
+        values = values.where((planes.settled | ~planes.computed) | ~(values < low))
     known = values.values[np.isfinite(values.values)]
-    settled = values.where(planes.settled | ~planes.computed).values
-    settled = settled[np.isfinite(settled)]  # others stretch no shades
-    low, high = shades or _ends(settled if settled.size else known, logarithmic)
     whole = is_count(str(planes.array.name)) and bool((known == known.round()).all())
     counted = whole and high - low < MOST_COUNTS and not logarithmic
     norm = _norm(low, high, logarithmic=logarithmic, counted=counted)
@@ -606,6 +606,14 @@ def _paint_numbers(
     told = [*handles, *_mark_undecided(axes, planes, values.notnull())]
     if missing or told:
         legend_below(figure, told, missing)
+
+
+def _shades(planes: _Planes, values: xr.DataArray, logarithmic: bool) -> tuple[float, float]:
+    """The least and the greatest that are shown; what is on its way stretches no shades."""
+    known = values.values[np.isfinite(values.values)]
+    settled = values.where(planes.settled | ~planes.computed).values
+    settled = settled[np.isfinite(settled)]
+    return _ends(settled if settled.size else known, logarithmic)
 
 
 def _with_rests(planes: _Planes, values: xr.DataArray) -> xr.DataArray:

@@ -560,7 +560,8 @@ def _finding(trial: _Trial, hits: int, points: int, why_open: str) -> str:
     if blurred:
         parts.append(f"{blurred} not known well enough: the error reaches past what is expected")
     if trial.between:
-        parts.append(f"{trial.between} may lie anywhere up to the next value of the axis")
+        beside = "up to the value of the axis before it, or after a last one"
+        parts.append(f"{trial.between} may lie anywhere {beside}")
     parts.append(_where_missed(trial))
     return ", ".join(part for part in parts if part)
 
