@@ -256,6 +256,12 @@ def history(
 def read(path: str | Path) -> Results:
     """The dataset that a run has written.
 
+    Returns
+    -------
+    xarray.Dataset or xarray.DataTree
+        of several analyses a tree of them: ``api.read("runs/a.nc")["spectrum"]`` is one, with its
+        variables, and ``[*api.read("runs/a.nc").children]`` names all.
+
     Raises
     ------
     UsageError, InputError

@@ -119,7 +119,7 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "tests_disagree",
         "section points and Lyapunov exponent say different things of the motion, as they do where "
-        "chaos is weak or comes and goes: a tenfold t_max decides some, and a few another section: "
+        "chaos is weak or comes and goes: a hundredfold t_max decides some, a few another section: "
         'the other event ("stick->slip" for "slip->stick", or the contrary), { zero = "x_dot" } '
         "for a displacement x, or of another contact; the rest stays undecided, and its numbers, "
         "such as L_s, stand",

@@ -1,5 +1,8 @@
 """Eigenvalues and laws, drawn."""
 
+import csv
+from pathlib import Path
+
 import numpy as np
 import pytest
 import synthetic_datasets as data
@@ -9,6 +12,7 @@ from plotted import figure, legend_texts, marks
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import get_law
 from fiv_cli.plots import draw, draw_laws, look_of
+from fiv_cli.plots.drawn import as_csv
 from fiv_cli.plots.law import force
 
 
@@ -110,6 +114,24 @@ def test_the_dashes_of_several_lines_of_a_mode_are_seen_where_it_is_unstable():
         bands = [line for line in ax.lines if line.get_marker() == "o" and line.get_xydata().size]
         assert max(band.get_zorder() for band in bands) < min(line.get_zorder() for line in dashed)
         assert sum(np.isfinite(band.get_ydata()).sum() for band in bands) == int(unstable.sum())
+
+
+def test_lines_of_modes_lead_through_the_point_where_they_merge():
+    """Between two points of the grid; a table has those alone."""
+    whole = data.eigenvalues()
+    dataset = whole.isel(mu_k=[0, 10, 19, 21, 30, 40])  # they merge at 0.5
+    places = np.full((6, 4), np.nan)
+    places[2] = 0.5
+    told = {"along": "mu_k", "units": "1"}
+    dataset["coupling_point"] = (("mu_k", "mode"), places, told)
+    drawn = draw(dataset, figure("eigenvalues"))
+    for ax, met in zip(drawn.axes, (-0.05, 5.0 / (2.0 * np.pi)), strict=True):
+        lines = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == 7]
+        assert len(lines) == 2
+        for line in lines:
+            np.testing.assert_allclose(line[3], [0.5, met], atol=1e-12)
+    rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
+    assert {row["series"] for row in rows if row["x"] == "0.5"} == {"modes merge"}
 
 
 def test_critical_values_of_another_file_lie_where_growth_is_zero():

@@ -18,9 +18,11 @@ from fiv_cli.plots import branch, labels, points, style
 from fiv_cli.plots.coinciding import each_once
 from fiv_cli.plots.crossings import broken
 from fiv_cli.plots.curve_lines import (
+    DATASET,
     DOT,
     SORT_MARKS,
     TOO_SHORT,
+    VARIABLE,
     Curve,
     births_along,
     equilibria,
@@ -153,7 +155,11 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     """What to do about what is not drawn, or not joined."""
     yield from _of_edges(shown.parts)
     yield from _of_branches_not_drawn(shown.parts, shown.axis)
-    yield from points.of_many_lines([one.without(dashed) for one in every if one.is_known])
+    known = [one for one in every if one.is_known]
+    words = {dim: {one.words.get(dim) for one in known} for one in known for dim in one.words}
+    dims = [d for d, told in words.items() if len(told) > 1 and d not in {VARIABLE, DATASET}]
+    names = [one.without(dashed) for one in known]
+    yield from points.of_many_lines(names, sorted(dims, reverse=True))
     x = np.unique([place for one in every for place in one.x])
     for one in every:
         yield from broken(one.label or shown.first, shown.axis.name, one.apart, x)

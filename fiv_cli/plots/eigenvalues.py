@@ -10,7 +10,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
 from fiv_cli.plots.diagram_lines import critical_values
-from fiv_cli.plots.drawn import DECORATION
+from fiv_cli.plots.drawn import DECORATION, leave_out
 from fiv_cli.plots.same_parameters import of_the_same
 from fiv_cli.reading import select
 
@@ -115,14 +115,18 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
     for number, line in enumerate(lines):
         part = dataset.isel(line.index)
         for (mode, name_of_mode), colour in zip(modes.items(), colours, strict=False):
-            y = part[name].isel(mode=mode).values
+            y, growth = (part[one].isel(mode=mode).values for one in (name, PARTS[0]))
             if not np.any(np.isfinite(y)):
                 continue  # under other options the model has more modes
             dash = style.dash(number, len(lines))
             label = points.unlisted(name_of_mode, line.label)
-            ax.plot(x, y, ls=dash, color=colour, label=label)
+            after, places, values = _mergers(part, axis, mode)
+            met = values.real if name == PARTS[0] else _frequencies(values, part[name])
+            whole = np.insert(x, after, places), np.insert(y, after, met)
+            (drawn_line,) = ax.plot(*whole, ls=dash, color=colour, label=label)
+            leave_out(drawn_line, np.column_stack([places, met]))
             drawn |= {name_of_mode: colour}
-            _mark(ax, x, y, part[PARTS[0]].isel(mode=mode).values > 0.0, look)
+            _mark(ax, *whole, np.insert(growth, after, values.real) > 0.0, look)
     for place in np.unique(np.linspace(0, len(drawn) - 1, MOST_NAMED).astype(int)):
         ax.plot([], [], "-", color=[*drawn.values()][place], label=[*drawn][place])
     for number, line in enumerate(lines if len(lines) > 1 else ()):
@@ -130,6 +134,43 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
         ax.plot([], [], ls=dash, color=style.BLACK, label=line.label)
     if np.any(dataset[PARTS[0]].values > 0.0):
         ax.plot([], [], label="unstable", **(look if look is DOTS else look | {"marker": "None"}))
+
+
+def _mergers(
+    part: xr.Dataset, axis: xr.DataArray, mode: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Before which points of a line a mode merges with another, where, and its eigenvalue there.
+
+    The mean of both modes is smooth there, and so is the square of their difference, whose real
+    part is zero.
+    """
+    none = np.zeros(0, int), np.zeros(0), np.zeros(0, complex)
+    if part.get("coupling_point", axis).attrs.get("along") != axis.name:
+        return none
+    at = [str(axis.dims[0]), "mode"]
+    places = part["coupling_point"].transpose(*at).values
+    real, imaginary = (part[f"eigenvalue_{one}"].transpose(*at).values for one in ("real", "imag"))
+    values, x, found = real + 1j * imaginary, points.positions(axis), []
+    for point in np.flatnonzero(np.isfinite(places[:, mode])).tolist():
+        same_side = values[point].imag * values[point, mode].imag > 0.0
+        alike = np.flatnonzero((places[point] == places[point, mode]) & same_side)
+        other = next((n for n in alike.tolist() if n != mode), mode)
+        pair = values[point : point + 2, [mode, other]]
+        share = (places[point, mode] - x[point]) / (x[point + 1] - x[point])
+        mean, apart = pair.mean(axis=1), pair[:, 0] - pair[:, 1]
+        squares = (apart**2).imag
+        half = 0.5 * np.sqrt(1j * (squares[0] + share * (squares[1] - squares[0])))
+        half *= -1.0 if (half * apart[0].conjugate()).real < 0.0 else 1.0
+        found.append((point + 1, places[point, mode], mean[0] + share * (mean[1] - mean[0]) + half))
+    if not found:
+        return none
+    after, where, met = map(np.array, zip(*found, strict=True))
+    return after, where, met
+
+
+def _frequencies(values: np.ndarray, frequency: xr.DataArray) -> np.ndarray:
+    """Those of eigenvalues, rad/s, in the unit of the others."""
+    return np.abs(values.imag) / (2.0 * np.pi if frequency.attrs["units"] == "Hz" else 1.0)
 
 
 def _mark(

@@ -488,12 +488,17 @@ def colours_of(names: Sequence[str]) -> dict[str, ColorType]:
     }
 
 
-def of_many_lines(names: Sequence[str]) -> list[str]:
-    """What to do where lines that differ in more than one parameter are too many for colours."""
+def of_many_lines(names: Sequence[str], dims: Sequence[str] = ("initial",)) -> list[str]:
+    """What to do where lines that differ in more than one parameter are too many for colours.
+
+    Parameters
+    ----------
+    dims : of which they have several values
+    """
     distinct = dict.fromkeys(map(stem, names))
     if len(distinct) <= len(style.LINES) or len(_of_one_parameter([*distinct])) == 1:
         return []
-    some = 'select = { initial = "LABEL" }'
+    some = f"select = {{ {dims[0]} = ... }}" if dims else "fewer under variable"
     return [f"{len(distinct)} lines are hard to tell apart; {some}, say, takes some of them"]
 
 
