@@ -693,15 +693,17 @@ def test_of_several_levels_the_one_next_to_rest_lies_between_rest_and_motion(ove
     """As a single level does: it is the border of a region, though that is a jump."""
     dataset = data.stability_map(initial=("reached",), nx=96, ny=97)
     along_the_jump = {}
-    for level in ([5e-4], [1e-3], [5e-4, 1e-3], [-1e-4, 5e-4, 1e-3]):
+    for level in ([5e-4], [1e-3], [5e-4, 1e-3], [-1e-4, 5e-4, 1e-3], [-1e-4, 0.0, 5e-4, 1e-3]):
         drawn = draw(dataset, figure("map", variable="L_s", level=level, overlay=overlay))
+        at_rest = [one for one in style.notes_on(drawn) if one.endswith("nowhere below")]
         for lines in drawn.findobj(ContourSet):
             x, y = np.concatenate(lines.allsegs[0]).T
             key = len(level), float(lines.levels[0])
             along_the_jump[key] = np.count_nonzero(abs(y / x - 10.0) < 0.5)
     assert along_the_jump[1, 5e-4] > 20 and along_the_jump[1, 1e-3] > 20
-    for count in (2, 3):  # one on the other side of rest is another border
+    for count in (2, 3, 4):  # one on the other side of rest is another border, one at rest none
         assert along_the_jump[count, 5e-4] > 20 and along_the_jump[count, 1e-3] < 5
+        assert count < 4 or any("= 0 rad" in one for one in at_rest)
     drawn = draw(dataset, figure("map", variable="L_s", level=[1e-6, 2e-5], overlay=overlay))
     assert any("it lies in the jump" in note for note in style.notes_on(drawn))
 

@@ -294,9 +294,9 @@ def side(part: np.ndarray, level: float) -> str:
     if known.size == 0:
         return NOT_KNOWN
     if known.max() <= level:
-        return "below everywhere"
+        return "below everywhere" if known.max() < level else "nowhere above"
     if known.min() >= level:
-        return "above everywhere"
+        return "above everywhere" if known.min() > level else "nowhere below"
     return "" if _is_passed(part, level) else ALONE
 
 

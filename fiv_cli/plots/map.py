@@ -228,13 +228,13 @@ class _Lines:
 
     def _of_panel(self, panel: points.Line) -> Panel:
         """The levels next to what rests, to either side, are borders of regions, which may be
-        jumps; no other line leads along one from rest."""
+        jumps; no other line leads along one from rest. One at rest itself is no border."""
         whole, apart = (self.planes.ends(panel, apart=one) for one in (False, True))
         at_rest = apart[0][0]
         if not np.isfinite(at_rest).any():
             return [whole] * len(self.levels)
         off = np.subtract(self.levels, np.nanmedian(at_rest))
-        beside = {off[off >= 0.0].min(initial=np.inf), off[off <= 0.0].max(initial=-np.inf)}
+        beside = {0.0, off[off > 0.0].min(initial=np.inf), off[off < 0.0].max(initial=-np.inf)}
         return [whole if one in beside else apart for one in off.tolist()]
 
     @property
