@@ -16,7 +16,7 @@ from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.case.load import parse_case
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import branch, default_figures, draw, figures_of
+from fiv_cli.plots import branch, default_figures, draw, figures_of, smooth
 from fiv_cli.plots.branch import _nearest
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.plots.labels import told_apart, values_along
@@ -385,8 +385,8 @@ def test_a_branch_over_one_sweep_leaves_this_its_names_and_says_what_it_lacks(
     drawn = draw([("sweep", found), ("cycles", cycles)], spec)
     words = [str(text.get_text()) for text in drawn.axes[0].get_legend().get_texts()]
     assert not any("sweep" in word for word in words) and not notes_on(drawn)
-    smooth = [line for line in drawn.axes[0].lines if line.get_label() == DECORATION]
-    assert max(len(line.get_xdata()) for line in smooth) > 3 * max(
+    through = [line for line in drawn.axes[0].lines if line.get_label() == DECORATION]
+    assert max(len(line.get_xdata()) for line in through) > 3 * max(
         len(line.get_xdata()) for line in told_lines(drawn.axes[0])
     )
     spec = FigureSpec("curve", "curve", {"variable": "x_dot_amplitude", "analysis": "response"})
@@ -497,3 +497,12 @@ def test_no_two_keys_of_amplitudes_look_alike_whichever_file_is_first(
         told.append([text.get_text() for text in legend.get_texts()])
         assert told[-1].count("cycle") == 2 * bool(words)  # a solid line and dashes
     assert told[0] == told[1]
+
+
+def test_a_smooth_line_leaves_a_fold_upright() -> None:
+    """Beside it lies a point as high, which shows no direction: a parabola, to 1 % of its width."""
+    height = np.array([0.0, 0.0, 0.3, 0.5, 0.7, 0.9, 1.1])
+    value = height**2 + np.array([0.0, 1e-8, *[0.0] * 5])
+    x, y = smooth.along(value, height)
+    assert (x[0], y[0], x[-1], y[-1]) == (0.0, 0.0, value[-1], 1.1)
+    assert np.abs(x - y**2).max() < 0.0121

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 FEWEST = 4  # points of a stretch that a spline is put through
 FEWEST_ALONG = 6  # ... of a line of which not even the places are known
 FINER = 6
+UNSEEN = (
+    1e-5  # of the extent: a step that shows no direction, as from a fold to what lies beside it
+)
 
 
 def through(places: np.ndarray, path: np.ndarray) -> np.ndarray:
@@ -42,7 +45,9 @@ def along(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     nowhere beyond the two points that it lies between."""
     path = np.column_stack([x, y])
     extent = np.ptp(path, axis=0)
-    steps = np.linalg.norm(np.diff(path, axis=0) / np.where(extent > 0.0, extent, 1.0), axis=1)
+    extent = np.where(extent > 0.0, extent, 1.0)
+    path = path[_seen(np.linalg.norm(np.diff(path, axis=0) / extent, axis=1))]
+    steps = np.linalg.norm(np.diff(path, axis=0) / extent, axis=1)
     if len(path) < FEWEST_ALONG or not (steps > 0.0).all():
         return x, y
     before, after = (
@@ -51,3 +56,11 @@ def along(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     smooth = through(np.append(0.0, np.cumsum(steps)), path)
     smooth[:-1] = np.clip(smooth[:-1], before, after)
     return smooth[:, 0], smooth[:, 1]
+
+
+def _seen(steps: np.ndarray) -> np.ndarray:
+    """Which points of a path lie apart from the one before; its last one in any case."""
+    apart = np.append(True, ~(steps <= UNSEEN))
+    if apart.size > 2 and not apart[-1]:
+        apart[-2:] = False, True
+    return apart
