@@ -46,9 +46,12 @@ def along(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     path = np.column_stack([x, y])
     extent = np.ptp(path, axis=0)
     extent = np.where(extent > 0.0, extent, 1.0)
-    path = path[_seen(np.linalg.norm(np.diff(path, axis=0) / extent, axis=1))]
     steps = np.linalg.norm(np.diff(path, axis=0) / extent, axis=1)
-    if len(path) < FEWEST_ALONG or not (steps > 0.0).all():
+    if not (steps > 0.0).all():
+        return x, y
+    path = path[_seen(steps)]
+    steps = np.linalg.norm(np.diff(path, axis=0) / extent, axis=1)
+    if len(path) < FEWEST_ALONG:
         return x, y
     before, after = (
         np.repeat(end(path[:-1], path[1:]), FINER, axis=0) for end in (np.minimum, np.maximum)
@@ -60,7 +63,7 @@ def along(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _seen(steps: np.ndarray) -> np.ndarray:
     """Which points of a path lie apart from the one before; its last one in any case."""
-    apart = np.append(True, ~(steps <= UNSEEN))
+    apart = np.append(True, steps > UNSEEN)
     if apart.size > 2 and not apart[-1]:
         apart[-2:] = False, True
     return apart
