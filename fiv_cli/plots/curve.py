@@ -159,7 +159,7 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     words = {dim: {one.words.get(dim) for one in known} for one in known for dim in one.words}
     dims = [d for d, told in words.items() if len(told) > 1 and d not in {VARIABLE, DATASET}]
     names = [one.without(dashed) for one in known]
-    yield from points.of_many_lines(names, sorted(dims, reverse=True))
+    yield from points.of_many_lines(names, sorted(dims, key=lambda dim: dim != "initial"))
     x = np.unique([place for one in every for place in one.x])
     for one in every:
         yield from broken(one.label or shown.first, shown.axis.name, one.apart, x)

@@ -141,7 +141,7 @@ def _mergers(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Before which points of a line a mode merges with another, where, and its eigenvalue there.
 
-    The mean of both modes is smooth there, and so is the square of their difference, whose real
+    That is in rad/s. The mean of both modes is smooth there, and so is the square of their difference, whose real
     part is zero.
     """
     none = np.zeros(0, int), np.zeros(0), np.zeros(0, complex)

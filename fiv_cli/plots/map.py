@@ -163,6 +163,11 @@ class _Planes:
         moving = (*ON_THE_WAY, "section_drifts", *["no_section_points"] * self._has_own_sections)
         return self.computed & ~is_class(self.dataset["reason"], moving)
 
+    @cached_property
+    def on_its_way(self) -> xr.DataArray:
+        """Where there is an answer of a motion that was on its way yet."""
+        return self.computed & ~self.settled
+
     @property
     def _has_own_sections(self) -> bool:
         return "section_kind" in self.dataset
@@ -175,12 +180,12 @@ class _Planes:
     @cached_property
     def moving(self) -> xr.DataArray:
         """0 where an equilibrium is reached, as far as that is known; of a difference, by both."""
-        reached = self.dataset.get("attractor")
-        if MOVING in self.dataset:
-            return self.dataset[MOVING]
-        if reached is None or not {*reached.dims} <= {*self.array.dims}:
+        found = self.dataset.get(MOVING)
+        if found is None and "attractor" in self.dataset:
+            found = 1 - is_class(self.dataset["attractor"], ("equilibrium",))
+        if found is None or not {*found.dims} <= {*self.array.dims}:
             return self.computed * 0 + 1
-        return 1 - is_class(reached, ("equilibrium",))
+        return found
 
     def ends(self, panel: points.Line, *, apart: bool = False) -> list[np.ndarray]:
         """The numbers of one panel (of an interval, at each end), NaN where there is no answer.
@@ -240,7 +245,7 @@ class _Lines:
     @property
     def missed(self) -> list[str]:
         """Why there is no line, of each level that has none; undecided points have none."""
-        moving = bool((self.planes.computed & ~self.planes.settled).any())
+        moving = bool(self.planes.on_its_way.any())
         told = level_notes.missed(self.planes.array, self.ends, self.levels)
         return [f"{why}{', as far as points are decided' * moving}" for why in told]
 
@@ -575,7 +580,7 @@ def _paint_numbers(
         values = values.where(~unsure)
     low, high = shades or _shades(planes, values, logarithmic)
     if logarithmic and not shades:  # below the shades there is that of zero alone
-        values = values.where((planes.settled | ~planes.computed) | ~(values < low))
+        values = values.where(~planes.on_its_way | ~(values < low))
     known = values.values[np.isfinite(values.values)]
     whole = is_count(str(planes.array.name)) and bool((known == known.round()).all())
     counted = whole and high - low < MOST_COUNTS and not logarithmic
@@ -611,7 +616,7 @@ def _paint_numbers(
 def _shades(planes: _Planes, values: xr.DataArray, logarithmic: bool) -> tuple[float, float]:
     """The least and the greatest that are shown; what is on its way stretches no shades."""
     known = values.values[np.isfinite(values.values)]
-    settled = values.where(planes.settled | ~planes.computed).values
+    settled = values.where(~planes.on_its_way).values
     settled = settled[np.isfinite(settled)]
     return _ends(settled if settled.size else known, logarithmic)
 

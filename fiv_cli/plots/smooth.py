@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 FEWEST = 4  # points of a stretch that a spline is put through
 FEWEST_ALONG = 6  # ... of a line of which not even the places are known
 FINER = 6
-UNSEEN = (
-    1e-5  # of the extent: a step that shows no direction, as from a fold to what lies beside it
-)
+UNSEEN = 1e-5  # of the extent: a step that shows no direction, as one from a fold
 
 
 def through(places: np.ndarray, path: np.ndarray) -> np.ndarray:
