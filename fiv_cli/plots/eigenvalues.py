@@ -141,8 +141,8 @@ def _mergers(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Before which points of a line a mode merges with another, where, and its eigenvalue there.
 
-    That is in rad/s. The mean of both modes is smooth there, and so is the square of their difference, whose real
-    part is zero.
+    That is in rad/s. The mean of both modes is smooth there, and so is the square of their
+    difference, whose real part is zero.
     """
     none = np.zeros(0, int), np.zeros(0), np.zeros(0, complex)
     if part.get("coupling_point", axis).attrs.get("along") != axis.name:
