@@ -3,7 +3,7 @@
 import csv
 import json
 import re
-from itertools import pairwise, product
+from itertools import pairwise, permutations, product
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +24,7 @@ from plotted import (
     run,
 )
 
+from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.dynamics.settings import Section
@@ -1069,6 +1070,48 @@ def test_equilibria_that_leap_are_joined_by_no_line_and_no_table_has_a_place_bet
     rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
     told = {float(row["x"]) for row in rows if row["series"].endswith("able equilibrium")}
     assert told == {*x}
+
+
+def test_cycles_and_equilibria_of_cases_with_other_points_lie_in_a_diagram():
+    """In whichever order, also where they have few points, one section value or none in common."""
+    friction = {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.2, "v_s": 0.2}
+    case = {
+        "schema": 1,
+        "model": {"name": "belt-1dof", "parameters": {"c": 0.15}},
+        "friction": friction,
+        "initial": [{"kind": "equilibrium", "label": "near", "offset": {"x": 0.1}}],
+    }
+    section = {"zero": "x_dot", "direction": "down"}
+    linearised = [{"kind": "equilibrium"}, {"kind": "eigenvalues"}]
+    analyses = {
+        "sweep": [{"kind": "response", "section": section, "t_max": 300.0}, *linearised],
+        "plain": [{"kind": "response", "section": section, "t_max": 300.0}],
+        "rests": linearised,
+        "cycle": [{"kind": "cycle", "section": section, "t_max": 300.0}],
+        "alone": [{"kind": "cycle", "section": section, "t_max": 300.0}],
+    }
+    speeds = {"rests": np.linspace(0.05, 0.45, 9), "cycle": [0.21, 0.25, 0.3], "alone": [0.3]}
+    found = {}
+    for name, asked in analyses.items():
+        grid = {"v": list(speeds.get(name, np.linspace(0.1, 0.4, 11)))}
+        grid |= {"N": [0.5, 1.0] if name == "rests" else [1.0]}
+        answer = api.run(api.load({**case, "grid": grid, "analysis": asked}), workers=1)
+        if isinstance(answer, xr.DataTree):
+            answer = {one: each.to_dataset() for one, each in answer.children.items()}
+        found[name] = answer
+    every = {}
+    for names in permutations(found, 3):
+        if not {"sweep", "plain"} & {*names} or {"sweep", "plain"} < {*names}:
+            continue
+        (ax,) = draw([(name, found[name]) for name in names], figure("bifurcation")).axes
+        lines = [one for one in ax.lines if "equilibrium" in str(one.get_label())]
+        known = {(x, y) for line in lines for x, y in line.get_xydata().tolist() if np.isfinite(y)}
+        assert every.setdefault(frozenset(names), known) == known
+        if {"sweep", "rests"} & {*names}:
+            own = "sweep" if "sweep" in names else "rests"
+            assert {*found[own]["equilibrium"]["v"].values} <= {x for x, _ in known}
+        cycles = any("stable cycle" in word for word in legend_texts(ax))
+        assert cycles == bool({"cycle", "alone"} & {*names})
 
 
 def test_equilibria_of_the_same_case_are_drawn_by_their_stability():

@@ -16,7 +16,7 @@ from fiv_cli.plots import draw
 from fiv_cli.plots.style import look_of, notes_on
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
-from fiv_cli.reading.take import taken, told_by_class, without_value
+from fiv_cli.reading.take import taken, taken_of_each, told_by_class, without_value
 
 SPEEDS = np.array([1.0, 2.0, 3.0])
 PHASES = np.array([0.0, 1.0, 2.0, 3.0])
@@ -342,6 +342,18 @@ def test_what_cannot_be_taken_is_refused(variable, take, word):
 
 
 SEPARATIONS = {"over": ["time"], "what": "entries", "of": "separation"}
+
+
+def test_of_what_is_counted_the_nearest_that_there_is_is_told():
+    counted = xr.DataArray(np.arange(20), dims="section_obs", name="section_obs")
+    with pytest.raises(select.SelectionError, match="; the nearest is 19"):
+        select.matching(counted, 99, nearest=True)
+
+
+def test_of_what_a_dataset_has_none_nothing_is_taken():
+    take = {"what": "share", "over": ["initial"], "of": "each"}
+    with pytest.raises(select.SelectionError, match="no variable of the dataset"):
+        taken_of_each(data.stability_map().drop_vars("attractor"), "attractor", take)
 
 
 @pytest.mark.parametrize(

@@ -230,14 +230,15 @@ held as it was found: its standard error is told, and not allowed for (add two o
 tolerance). One over a lattice of starts (axes initial.x) counts its points, each alike: lay them in
 the middles of cells, not on the edges of the range.
 
-A map draws the line at which its numbers have a `level`: the border of a region, also along a jump.
-Of several levels only that next to rest lies between rest and motion; of an interval each end has
-its line. With overlay = true there are the lines alone, all in one panel. Over a map of anything,
-of classes too, lie lines of other variables of the case: level = { growth_rate = 0.0 }, or of what
-another has found, "CASE:growth_rate": read between the points, so up to half a step off where a
-number jumps. Where an equilibrium loses stability is exact with a case of a `critical` along the
-other axis: level = { "CASE:critical_value" = "mu_k" }, the axis that has the value. A .csv of the
-figure has them all.
+A map draws the line at which its numbers have a `level`: the border of a region, also in a jump, to
+rest half-way between the points. Of several levels only that next to rest lies in such a jump; of
+an interval each end has its line. With overlay = true there are the lines alone, all in one panel.
+Over a map of anything, of classes too, lie lines of other variables of the case, as
+level = { growth_rate = 0.0 }, or of what another has found, "CASE:growth_rate": read between the
+points, so up to half a step off where a number jumps to rest, and a step at another jump. Exact are
+the ends that a `boundary` bisects along an axis, level = { "CASE:boundary" = "c" }, and, where an
+equilibrium loses stability, a `critical`, level = { "CASE:critical_value" = "mu_k" }: the axis that
+has the value. A .csv of the figure has them all.
 
 Examples: configs/ch7/fig_7_13.toml, fig_7_06_exists.toml (borders), fig_7_15.toml (overlaid lines),
 configs/ch4/fig_4_15.toml (claims about motions and spectra).

@@ -67,7 +67,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     first = shown[0].dataset
     others = [one for layer in layers for one in (layer.dataset, *layer.beside)]
     axis, observed = points.abscissa(first, settings), observed_state(first[name])
-    equilibria = [equilibria_of(layer, others, axis, observed) for layer in shown]
+    equilibria = [equilibria_of(layer, shown, others, axis, observed) for layer in shown]
     found = [
         cloud
         for layer, lines in zip(shown, equilibria, strict=True)
@@ -102,14 +102,17 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
 
 def _diagrams(layers: Sequence[points.Layer], name: str) -> list[points.Layer]:
-    """The layers whose motions are marked; the only one needs no label.
+    """The layers whose motions are marked, or cycles where there are none; the only one needs no
+    label.
 
     Raises
     ------
     UsageError : none has values at a section
     """
     holding = [layer for layer in layers if name in layer.dataset]
-    shown = [layer for layer in holding if not branch.suits(layer.dataset)] or holding
+    no_branches = [layer for layer in holding if not branch.suits(layer.dataset)]
+    motions = [layer for layer in no_branches if "attractor" in layer.dataset]
+    shown = motions or no_branches or holding
     if not shown:
         raise UsageError(
             f"{name}: no values at a section in this dataset (or part of one)\n"

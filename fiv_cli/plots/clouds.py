@@ -68,7 +68,8 @@ def clouds_of(
     doubt = points.gaps(dataset).get("undecided", sizes < 0).transpose(*dims).values.ravel()
     undecided = doubt[point]
     x, y, rest = points.positions(axis), dataset[name].values, _rest(dataset, name)
-    told, sticking = abs(rest - equilibria) <= ALIKE * abs(equilibria), _sticking(dataset)
+    lines = equilibria.reindex_like(rest)  # of a case with other points, maybe
+    told, sticking = abs(rest - lines) <= ALIKE * abs(lines), _sticking(dataset)
     for line in points.lines(dataset, [dim], dims):
         belongs = np.logical_and.reduce(
             [place[d] == index for d, index in line.index.items()], initial=True

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -206,38 +207,57 @@ class Equilibria:
 
 
 def equilibria_of(
-    layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+    layer: points.Layer,
+    shown: Sequence[points.Layer],
+    others: Sequence[xr.Dataset],
+    axis: xr.DataArray,
+    observed: str,
 ) -> Equilibria:
-    """The equilibria of a diagram.
+    """The equilibria of a diagram, but for those of another that is `shown`.
 
-    What tells whether they are stable, along `axis`, is of the diagram's case or one of the others.
+    What tells whether they are stable, along `axis`, is of the diagram's case or one of the others:
+    first of those that have it at the places where the equilibria are known.
     """
     diagram = layer.dataset
     nowhere = diagram["status"] * np.nan
-    parts = [of_the_same(one, diagram) for one in (*layer.beside, *others)]
-    beside = [one for one in parts if one is not None and axis.name in one.coords]
-    place = _heights(diagram, beside, observed)
-    judged = next((d for d in beside if {"stable", "growth_rate"} <= {*d}), None)
-    if judged is None or place is None:
+    parts = [(one, _on_axes_of(diagram, one)) for one in (*layer.beside, *others)]
+    same = [(one, own) for one, own in parts if own is not None and axis.name in own.coords]
+    taken = {id(d) for one in shown if one is not layer for d in (one.dataset, *one.beside)}
+    free = [own for one, own in same if id(one) not in taken]
+    pairs = [
+        (judged, place, judged[axis.name].variable.equals(place[axis.name].variable))
+        for judged in (own for _, own in same if {"stable", "growth_rate"} <= {*own})
+        for place in _heights(diagram, free, observed, _linearised_at(judged))
+    ]
+    pairs = [one for one in pairs if one[2] or any(one[0] is own for own in free)]
+    if not pairs:
         return Equilibria(dict.fromkeys(EQUILIBRIA, nowhere), nowhere)
+    judged, place, _ = max(pairs, key=itemgetter(2))  # the first of the best
     called = {word: place.where(is_class(judged["stable"], (word,))) for word in EQUILIBRIA}
     growth = judged["growth_rate"].where(place.notnull()).reindex_like(place)  # of another grid
     return Equilibria({word: here.reindex_like(place) for word, here in called.items()}, growth)
 
 
+def _on_axes_of(diagram: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset | None:
+    """The part of a dataset at the same parameters, if it has no further axes but of one value."""
+    part = of_the_same(dataset, diagram)
+    if part is None:
+        return None
+    further = [d for d in part["status"].dims if d not in diagram.dims]
+    is_one = all(part.sizes[d] == 1 for d in further)
+    return part.isel(dict.fromkeys(further, 0)) if is_one else None
+
+
 def _heights(
-    diagram: xr.Dataset, beside: Sequence[xr.Dataset], observed: str
-) -> xr.DataArray | None:
-    """Those of the equilibrium that is linearised: what L_s is measured from or, where a diagram
-    has none, what an `equilibrium` analysis beside it found."""
-    number = _linearised_at(diagram)
+    diagram: xr.Dataset, beside: Sequence[xr.Dataset], observed: str, number: int
+) -> Iterator[xr.DataArray]:
+    """Those of an equilibrium: what L_s is measured from, and what `equilibrium` analyses found."""
     if "L_s_reference" in diagram and observed in diagram["state"]:
         known = diagram["L_s_reference"].where(diagram["L_s_reference_index"] == number)
-        return known.sel(state=observed).max([dim for dim in known.dims if dim == "initial"])
+        yield known.sel(state=observed).max([dim for dim in known.dims if dim == "initial"])
     for one in beside:
         if "equilibrium" in one and observed in one["state"] and number <= one.sizes["solution"]:
-            return one["equilibrium"].isel(solution=number - 1).sel(state=observed)
-    return None
+            yield one["equilibrium"].isel(solution=number - 1).sel(state=observed)
 
 
 def draw_equilibria(
@@ -253,15 +273,16 @@ def draw_equilibria(
     Those of several diagrams, or at several values of other axes, have the colours of these.
     Returned are marks where they turn unstable, not drawn yet, and whether some are one line.
     """
-    diagram, turns, shares = layer.dataset, [], False
-    axis = select.axis_of(diagram, str(axis.name))
+    every, turns, shares = equilibria.every, [], False
+    of_case = every.to_dataset(name="height")  # of the one that has them, maybe another
+    axis = select.axis_of(of_case, str(axis.name))
     dim, x = str(axis.dims[0]), points.positions(axis)
-    lines = points.lines(diagram, [dim, "initial"], points.grid_dims(diagram))
+    lines = points.lines(of_case, [dim, "initial"], [str(d) for d in every.dims])
     colours = points.colours([ax]) if len(lines) > 1 or layer.label else {}
     known_words = {str(line.get_label()) for line in ax.lines}
     for word, height in equilibria.called.items():
         dashes, weight = EQUILIBRIA[word]
-        of_word = equilibria.every, height, equilibria.growth
+        of_word = every, height, equilibria.growth
         parts = [[of.isel(line.index).values for of in of_word] for line in lines]
         drawn = [
             (points.joined(layer.label, line.label), *up_to_turns(changes, x, every, own, growth))

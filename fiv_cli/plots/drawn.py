@@ -38,6 +38,7 @@ START = "start"
 """A column more, of figures whose points have names: those of starts."""
 _NAMES: WeakKeyDictionary[Artist, Sequence[str]] = WeakKeyDictionary()
 _LEFT_OUT: WeakKeyDictionary[Artist, set[tuple[float, float]]] = WeakKeyDictionary()
+_WHOLE: WeakKeyDictionary[Artist, Sequence[np.ndarray]] = WeakKeyDictionary()
 UNNAMED = "_child"  # what matplotlib calls an artist without a label, and counts
 
 
@@ -49,6 +50,11 @@ def name_points(artist: Artist, names: Sequence[str]) -> None:
 def leave_out(artist: Artist, points: np.ndarray) -> None:
     """These points of an artist, shape (n, 2), tell nothing that was computed: in no table."""
     _LEFT_OUT[artist] = {(x, y) for x, y in points.tolist()}
+
+
+def keep_whole(lines: ContourSet) -> None:
+    """Their pieces as they are now: the table has these, whatever is cut out to write there."""
+    _WHOLE.setdefault(lines, [np.asarray(piece) for own in lines.allsegs for piece in own])
 
 
 def as_csv(figure: Figure, path: Path) -> str:
@@ -152,7 +158,7 @@ def _pieces(artist: Artist, ax: Axes) -> Iterable[np.ndarray]:
         pieces = map(np.asarray, artist.get_segments())
         return (piece for piece in pieces if piece.size)  # an error bar that is not known has none
     if isinstance(artist, ContourSet):
-        return (np.asarray(piece) for own in artist.allsegs for piece in own)
+        return _WHOLE.get(artist) or (np.asarray(one) for own in artist.allsegs for one in own)
     marks = np.asarray(artist.get_offsets()) if isinstance(artist, PathCollection) else np.empty(0)
     return [marks] if marks.size else []
 

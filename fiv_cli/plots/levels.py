@@ -11,6 +11,7 @@ to another, as from what rests to what vibrates; of several levels that next to 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import chain
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -20,11 +21,13 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
 from scipy import ndimage
 
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, legends, level_notes, points, style
+from fiv_cli.plots.drawn import keep_whole
 from fiv_cli.plots.level_notes import Panel
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import ends_of, flag_names
@@ -52,9 +55,12 @@ STEP = 0.25  # between points of other lines, in heights of letters
 BY, MOST_BESIDE = 0.3, 30
 ENOUGH = 0.5  # of these heights, by which another line is further off: then rather at the middle
 WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (0, 1)], float)
+FLAT = 1e-3  # of the range of a plane: what varies by less at rest has one value there
 PAD = 0.25  # around a level that is written, in heights of its letters
-WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.5}
+WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.7}
 STROKE: Any = {"arrowstyle": "-", "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0}
+# To each side of a level on its line, of the height of letters; of that: its place there.
+CUT, CLOSE = 0.35, 0.05
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 OVER_MARKS = 4.5
 LEAST_PERIODS = 1.6  # of dashes that a piece of a line shows
@@ -198,6 +204,26 @@ def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
     return [array] if low.equals(high) else [low, high]
 
 
+def half_way(ends: Sequence[np.ndarray], resting: np.ndarray, level: float) -> list[np.ndarray]:
+    """Planes whose line lies in the middle between what rests and what moves beyond the level.
+
+    Where in such a jump it passes is not known, and what is read in it, of a low level, would be
+    beside the point that rests. `resting` has numbers there: what varies among them does not jump.
+    """
+    found, rests = [], resting[np.isfinite(resting)]
+    for plane in ends:
+        if rests.size == 0 or np.ptp(rests) > FLAT * np.ptp(plane[np.isfinite(plane)]):
+            found.append(plane)
+            continue
+        around = np.pad(plane, ((0, 0), (1, 1), (1, 1)), constant_values=np.nan)
+        off = np.stack([around[:, 1:-1, 2:], around[:, 1:-1, :-2]])
+        off = np.concatenate([off, [around[:, 2:, 1:-1], around[:, :-2, 1:-1]]]) - level
+        beyond = np.fmin.reduce(np.where(off * (plane - level) < 0.0, np.abs(off), np.nan))
+        mirrored = level + np.sign(plane - level) * beyond
+        found.append(np.where(np.isfinite(resting) & np.isfinite(mirrored), mirrored, plane))
+    return found
+
+
 def draw(
     ax: Axes,
     array: xr.DataArray,
@@ -305,12 +331,13 @@ def _name(
         found.append((lines, level, next(filter(None, rooms), [])[:most]))
     size = mpl.rcParams["legend.fontsize"]
     for lines, level, places in found:
-        # the box hides the line: cut, it may lose three times as much beneath a bend
+        # cut by matplotlib, a line may lose three times as much beneath a bend
         look: dict[str, Any] = {"fontsize": size, "manual": places, "inline": False}
         told = {level: labels.number_text(level, levels)}
         for text_ in ax.clabel(lines, fmt=told, **look) if places else ():
-            text_.set(bbox=WHITE, zorder=OVER_MARKS)
             upwards = (text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
+            text_.set(bbox=WHITE, zorder=OVER_MARKS, rotation=0.0)
+            _begin_beside(ax, lines, text_)
             text_.set_rotation(min(upwards, 90.0))  # none is turned over
     beside = set()
     for lines, level, _ in [one for one in found if not one[2]]:
@@ -318,6 +345,36 @@ def _name(
         text = labels.number_text(level, levels)
         beside |= {level} if _write_beside(ax, lines, text, [*others, *crossing], marks) else set()
     return beside | {level for _, level, places in found if places}
+
+
+def _begin_beside(ax: Axes, lines: QuadContourSet, text: Text) -> None:
+    """Cut the piece on which a level is written, without a turn as yet, beneath that.
+
+    Its dashes begin on both sides: a part of one beside a figure would look like a point of it.
+    """
+    keep_whole(lines)
+    pixels, place = ax.transData, ax.transData.transform(text.get_position())
+    half = 0.5 * text.get_window_extent().width + CUT * _height(ax)
+    own = [[pixels.transform(piece) for piece in of if len(piece)] for of in lines.allsegs]
+    written = min(chain(*own), key=lambda one: _distances(_dense(one, half), [place]).min())
+    cut = ([_beside_gap(one, place, half) if one is written else [one] for one in of] for of in own)
+    back = pixels.inverted().transform
+    lines.set_paths([Path.make_compound_path(*map(Path, map(back, chain(*of)))) for of in cut])
+
+
+def _beside_gap(line: np.ndarray, place: np.ndarray, half: float) -> list[np.ndarray]:
+    """The parts of a line on both sides of a place, each from so far beside it onward."""
+    if (line[0] == line[-1]).all():  # a ring: both lead to its far side
+        nearest = _distances(line[:-1], [place]).argmin()
+        line = np.roll(line[:-1], len(line) // 2 - nearest, axis=0)
+        line = np.concatenate([line, line[:1]])
+    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+    off = _distances(_dense(line, CLOSE * half), [place])
+    at = way[-1] * off.argmin() / (off.size - 1)
+    ends = [[np.interp(at + to, way, one) for one in line.T] for to in (-half, half)]
+    before, after = line[way < at - half], line[way > at + half]
+    parts = [(ends[0], before[::-1]), (ends[1], after)]
+    return [np.concatenate([[end], part]) for end, part in parts if len(part)]
 
 
 def _write_beside(

@@ -225,10 +225,22 @@ class _Lines:
         """Of each panel and level the numbers, at each end of what they may be."""
         return [*map(self._of_panel, self.planes.panels)]
 
-    def _ends(self, panel: points.Line) -> Panel:
+    @cached_property
+    def drawn(self) -> list[Panel]:
+        """Those of which lines are drawn: these are half-way where they lead along a jump."""
+        at_rest = (self.planes.ends(panel, apart=True)[0][:1] for panel in self.planes.panels)
+        return [
+            [
+                levels.half_way(one, resting, level)
+                for one, level in zip(own, self.levels, strict=True)
+            ]
+            for own, resting in zip(self.ends, at_rest, strict=True)
+        ]
+
+    def _drawn(self, panel: points.Line) -> Panel:
         """Those of one."""
         return next(
-            own for own, one in zip(self.ends, self.planes.panels, strict=True) if one is panel
+            own for own, one in zip(self.drawn, self.planes.panels, strict=True) if one is panel
         )
 
     def _of_panel(self, panel: points.Line) -> Panel:
@@ -267,11 +279,11 @@ class _Lines:
 
     def unwritten(self, panel: points.Line, written: Collection[float]) -> Iterator[str]:
         """What to do about levels that are not written on their lines in a panel."""
-        return level_notes.unwritten(self.planes.array, [self._ends(panel)], self.levels, written)
+        return level_notes.unwritten(self.planes.array, [self._drawn(panel)], self.levels, written)
 
     def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> Collection[float]:
         """Draw those of one panel; the levels that are written on their lines."""
-        array, places, ends = self.planes.array, self.planes.places, self._ends(panel)
+        array, places, ends = self.planes.array, self.planes.places, self._drawn(panel)
         own = self.of_the_map
         look: dict[str, Any] = {"named": own, "rim": not own, "styles": self.styles}
         return levels.draw(ax, array, places, ends, self.levels, colour, **look)
@@ -405,7 +417,7 @@ def _overlaid(
     # an axis without points of its own would be as large as the lines alone
     ax.set(**{f"{w}lim": (at.min(), at.max()) for w, at in zip("xy", planes.places, strict=True)})
     points.scale(ax, settings)
-    shown = [*zip(named, own[0].ends, strict=True)]
+    shown = [*zip(named, own[0].drawn, strict=True)]
     levels.overlay(ax, planes.array, shown, planes.places, own[0].levels)
     style.add_notes(figure, [*own[0].inexact])
     points.scale(ax, settings)

@@ -33,10 +33,11 @@ def _axes_and_numbers(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
 
 
 def _numbers_held(diagram: xr.Dataset, known: Mapping[str, xr.DataArray]) -> dict[str, Any]:
+    """Not what counts results, as section points: of these a dataset may have but one."""
     return {
         name: coord.item()
         for name, coord in _axes_and_numbers(diagram).items()
-        if coord.size == 1 and coord.dtype.kind in "fiu" and name in known
+        if coord.size == 1 and coord.dtype.kind in ("f" if coord.ndim else "fiu") and name in known
     }
 
 

@@ -160,7 +160,8 @@ def _what_exists(axis: xr.DataArray, wanted: Any) -> str:
     span = f"{axis.name}: {axis.size} values from {axis.values.min():g} to {axis.values.max():g}"
     if condition(str(wanted)):
         return span
-    return f"{span}; the nearest is {axis.values[_matching_number(axis, wanted, True)][0]:.12g}"
+    nearest = axis.values[np.abs(axis.values - _in_unit_of(axis, wanted)).argmin()]
+    return f"{span}; the nearest is {nearest:.12g}"
 
 
 def having(classes: xr.DataArray, wanted: str | Sequence[str]) -> xr.DataArray:

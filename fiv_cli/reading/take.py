@@ -57,7 +57,7 @@ def taken_of_each(dataset: xr.Dataset, variable: str, take: Mapping[str, Any]) -
 
     What is undecided may be of any class, and is of none.
     """
-    if take.get("of") != EACH:
+    if take.get("of") != EACH or variable not in dataset:
         return taken(dataset, variable, take)
     classes, codes = flag_names(dataset[variable].attrs), np.unique(dataset[variable].values)
     if not classes:
