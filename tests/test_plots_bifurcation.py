@@ -1114,6 +1114,17 @@ def test_cycles_and_equilibria_of_cases_with_other_points_lie_in_a_diagram():
         assert cycles == bool({"cycle", "alone"} & {*names})
 
 
+def test_equilibria_of_which_none_is_known_to_be_stable_are_told_to_be_left_out():
+    response, eigenvalues = with_eigenvalues().values()
+    rests = eigenvalues.drop_vars(["stable", "growth_rate"]).assign(equilibrium=response["L_s"])
+    notes = style.notes_on(
+        draw({"response": response, "equilibrium": rests}, figure("bifurcation"))
+    )
+    assert any("add an analysis `eigenvalues`" in note for note in notes)
+    notes = style.notes_on(draw(with_eigenvalues(), figure("bifurcation")))
+    assert not any("analysis `eigenvalues`" in note for note in notes)
+
+
 def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     omega = data.bifurcation()["Omega"].values
     analyses = with_eigenvalues()

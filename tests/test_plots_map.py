@@ -1399,6 +1399,14 @@ def test_what_is_taken_has_lines_of_what_it_is_not_taken_of():
     assert {"share = 0.5", "growth rate = 0 rad/s"} <= {*told}
 
 
+def test_axes_that_advance_together_span_no_map():
+    dataset = data.stability_map(initial=("reached",), nx=8, ny=8)
+    along = xr.DataArray(np.arange(8), dims="pair")
+    zipped = dataset.isel(Omega=along, N0=along)
+    with pytest.raises(UsageError, match="Omega and N0 advance together"):
+        draw(zipped, figure("map", x="Omega", y="N0"))
+
+
 @pytest.mark.parametrize(
     ("level", "message"),
     [

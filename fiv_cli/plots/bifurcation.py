@@ -44,6 +44,9 @@ UNMET = (
     "stable cycles on another section, or that never meet it, are not drawn; one for all, such as "
     'section = {{ zero = "{}_dot" }} in the cases of cycles and diagram, has them'
 )
+UNJUDGED = (
+    "equilibria are not drawn, since nothing tells which are stable: add an analysis `eigenvalues`"
+)
 BEYOND = 0.05  # of its length: what is seen beyond an axis
 SECTION_WORDS = {
     "slip_to_stick": r"slip $\to$ stick",
@@ -92,7 +95,10 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others_at = _mark_other_sections(ax, [layer.dataset for layer in shown], framed)
     sorts = [cloud.family or cloud.label for cloud in clouds]
     notes = [*_of_other_sections(others_at, axis, observed), *points.of_many_lines(sorts)]
-    style.add_notes(figure, [*notes, *[UNMET.format(observed)] * unmet])
+    is_unjudged = any("equilibrium" in one for one in others) and not any(
+        {"stable", "growth_rate"} <= {*one} for one in others
+    )
+    style.add_notes(figure, [*notes, *[UNMET.format(observed)] * unmet, *[UNJUDGED] * is_unjudged])
     if not clouds[0].label:
         _name_marks(ax, marks, first)
     points.dress([ax], shown, [framed])

@@ -392,6 +392,11 @@ def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:
     x, y = _axes(dataset, settings)
     array = dataset[_variable(dataset, settings)]
     spread = [str(x.dims[0]), str(y.dims[0])]
+    if spread[0] == spread[1]:
+        raise UsageError(
+            f"{x.name} and {y.name} advance together here (zip): a line of points, and no map\n"
+            "next: --figure curve, or a case without that zip"
+        )
     if not set(spread) <= set(array.dims) or select.row_sizes(dataset, str(array.name)) is not None:
         raise UsageError(f"{array.name}: not one value per point over {x.name} and {y.name}")
     panels = points.lines(dataset, spread, [str(dim) for dim in array.dims])
