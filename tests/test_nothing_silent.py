@@ -190,13 +190,14 @@ def test_a_run_ends_with_its_answer(tmp_path: Path, capsys: pytest.CaptureFixtur
     told = capsys.readouterr().err
     assert "  response: periodic 4, equilibrium 4\n" in told
     assert "WARNING: 2 points of response lie behind the end of what was followed" in told
-    assert 'on_loss = "restart"' in told and 'on_loss = "go-on"' in told
+    assert 'on_loss = "restart"' in told and 'on_loss = "go-on"' in told and "--fresh" not in told
     hasty = [*("run", str(case), "--set", "analysis.0.t_max=2.0"), "-o", f"{output}2.nc"]
     assert fiv([*hasty, "--workers", "1"]) == 0
     told = capsys.readouterr().err
     assert "  response: undecided 7, equilibrium 3\n" in told
     assert f"    time_budget 4: {advice('time_budget', 'response')}\n" in told
     assert "WARNING: 7 of 10 points of response have no answer" in told
+    assert "  next: a case that is changed so takes fiv run --fresh" in told
     assert fiv([*hasty, "-q"]) == 0
     assert capsys.readouterr().err == ""
 

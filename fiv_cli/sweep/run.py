@@ -44,6 +44,9 @@ if TYPE_CHECKING:
 SHOWN_ERRORS = 3
 PENDING = "pending"
 GOES_ON = "what is finished is kept; the same command goes on from here"
+CHANGED = (
+    "next: a case that is changed so takes fiv run --fresh, or -o FILE.nc, which keeps this one"
+)
 
 LOOKED_AT = 8
 """How many other runs, the last ones, are asked for points: to read a thousand takes seconds."""
@@ -109,6 +112,8 @@ class Summary:
             lines += [f"  {what}", f"    alone: {command}"]
         lines += [f"  {line}" for line in self.refined]
         lines += [f"  {self.unwritten}"] if self.unwritten else []
+        is_open = self.complete and any(answer.open for answer in self.answers)
+        lines += [f"  {CHANGED}"] if is_open else []
         return lines + ([] if self.complete or not self.sound else [f"  {GOES_ON}"])
 
 
