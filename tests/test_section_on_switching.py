@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from motions import motion, times, transitions
 
 from fiv_cli.analyses.base import SolverSettings
-from fiv_cli.api import analyse
+from fiv_cli.api import analyse, load, names_of, run
 from fiv_cli.dynamics.motion import Stop
 from fiv_cli.dynamics.settings import Section
 
@@ -84,3 +84,34 @@ def test_newton_finds_the_cycle_from_such_a_section(force: float) -> None:
     )  # fmt: skip
     assert found.reason == ""
     assert found.values["cycle_period"] == pytest.approx(2 * np.pi / 0.6, rel=1e-9)
+
+
+def test_a_motion_that_begins_along_its_section_goes_on() -> None:
+    """From an equilibrium a mass is thrown across its coordinate: the velocity and acceleration of
+    that are zero, the one exactly, the other to rounding, and time went on by 1e-21 s a step."""
+    case = {
+        "schema": 1,
+        "model": {
+            "name": "flutter-2dof",
+            "parameters": {
+                "m": 0.1,
+                "k1": 1e6,
+                "k2": 5e5,
+                "k3": 6e5,
+                "c1": 20.0,
+                "c2": 0.5,
+                "F": 100.0,
+                "alpha1": "30 deg",
+                "alpha2": "45 deg",
+                "v": 0.5,
+            },
+            "options": {"states": "all", "impact": "none"},
+        },
+        "grid": {"mu_k": [0.329, 0.336, 0.337, 0.352, 0.38, 0.408, 0.432, 0.451, 0.472, 0.497]},
+        "initial": [{"kind": "equilibrium", "offset": {"y_dot": 1.0}}],
+        "analysis": [{"kind": "response", "t_max": 3.0, "observe": "x"}],
+        "solver": {"max_steps": 100_000},
+    }
+    found = run(load(case), workers=1)
+    assert set(names_of(found["status"]).values.ravel()) == {"ok"}
+    assert set(names_of(found["attractor"]).values.ravel()) == {"periodic"}

@@ -1462,15 +1462,20 @@ def off_section(run: Run, index: int, step: float) -> tuple[float, int]:
     """The section's state, or its first derivative that is not zero, and the number of zeros.
 
     A state of 0 stays at zero: a mass that sticks to a drive at rest. `step` is what is left of a
-    step until an event.
+    step until an event. On the section a rate that is zero to rounding is none: it would lead back
+    there at once, again and again (test_a_motion_that_begins_along_its_section_goes_on).
     """
     order, entry, value = run.order, run.section_state, 0.0
     zeros = min(run.zeros_on_section, order)
     if run.is_taylor == 1:
+        offset = entry * (order + 1)
         while zeros < order and value == 0.0:
-            value = run.series[entry * (order + 1) + zeros]
+            value = run.series[offset + zeros]
             zeros += 1
-        return value, zeros - 1
+        if zeros > 1:
+            lead = abs(leading(run.series, offset, order, step, zeros - 1))
+            zeros = max(zeros, lead)
+        return run.series[offset + zeros - 1], zeros - 1
     if zeros == 0:
         value = run.y[entry]
     if value == 0.0:
