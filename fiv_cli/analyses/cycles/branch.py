@@ -60,6 +60,7 @@ REACH = 7.0  # steps: a cycle that seems to lie further off is not looked for
 DIFFERENCES = tuple(10.0**-e for e in range(7, 13))  # of the parameter, over the bracket ...
 ALIKE = 1e-2  # ... the first for which the rates to both sides differ by no more than this share
 FLAT = 1e-4  # ... or than this, over the whole bracket
+AMPLIFIED = 10.0  # growth of the error of integration by which is told what it grows to
 JUMPED = 10.0  # of the change to one side of the parameter: one so much greater is a jump
 MOST_POINTS = 800
 TRIES = 5  # steps tried, per point allowed
@@ -67,6 +68,7 @@ BISECTIONS = 200
 FURTHER = 8.0  # an end is looked for so many times as closely as asked, to see if it moves ...
 TRIES_FURTHER = 16  # ... in so many steps
 BEYOND = (1e-5, 1e-4, 1e-3, 1e-2)  # distances behind an end at which motions are looked at
+CHANGES = tuple(10.0**-e for e in range(5, 13))  # of the parameter, over the bracket
 UNBOUND = 1e3  # a multiplier beyond grows without bound, as one does towards a grazing
 ASIDE = 0.05  # share of the way to a change by which a step ends beside where it is foreseen
 HALVINGS = 40  # of a stretch in which a jump is looked for
@@ -78,7 +80,8 @@ NEARBY = 4.0  # steps within which what lies beyond a change must have been foun
 AROUND = 60  # points allowed on the way back to the end
 MEETING = 1e-4  # share of the bracket within which two branches end at one value, or of extents
 SAME = 1e-6  # share of period and extent within which two cycles are one
-EDGE = 1e-12  # share of the bracket within which a value counts as its edge
+# Share of the bracket within which a value counts as its edge, or of that edge.
+EDGE, LAST_DIGITS = 1e-12, 1e-15
 STEEP = 0.3  # a direction with more of the parameter in it than this is well off a fold
 UPRIGHT = 0.1  # a direction with less of the parameter in it than this is about to turn
 LEVEL = 1e-8  # ... and with less than this does so by rounding: the branch stands upright there
@@ -331,7 +334,11 @@ def _corrected(
     alike = root[1].around.events == here.cycle.around.events
     if astray > (BENT if alike else ASTRAY) or (alike and _leaves(here, *root)):
         return None
-    return _point(line, here, *root)
+    point = _point(line, here, *root)
+    if point is None:  # a motion so sensitive that what the last correction leaves opens it
+        root = newton(conditions, root[0], reach=REACH * length)
+        point = root and _point(line, here, *root)
+    return point
 
 
 def _leaves(here: Point, unknowns: Vector, found: Equations) -> bool:
@@ -366,13 +373,14 @@ def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations
     problem = line.at(value)
     anchor = frame.anchor_of(unknowns[:-1])
     period = frame.period_of(problem, unknowns[:-1])
-    shift = to_longest_piece(found.around.times, period)
+    shift = to_longest_piece(found.around.times, period) if found.around.events else 0.0
     motion = _later(problem, anchor, shift)
     behind = _later(line.at(before.value), frame.anchor, shift * frame.period / period)
     moved = describe(problem, anchor_at(problem, motion), period) if motion and behind else None
     if motion is None or behind is None or moved is None:
         return None
-    if moved.residual > OPEN * max(1.0, moved.largest):  # its last correction led to other events
+    is_open = moved.residual > OPEN * max(1.0, moved.largest)
+    if is_open and not _is_rounding(problem, moved):  # its last correction led to other events
         return None
     gone = unknowns - before.unknowns
     way = [motion.y - behind.y, gone[len(frame.scales) : -1] * frame.period, gone[-1:] * line.span]
@@ -380,6 +388,18 @@ def _point(line: Continuation, before: Point, unknowns: Vector, found: Equations
     if point is not None and abs(point.slope) <= LEVEL:
         return replace(point, kept=before.character[:2])
     return None if point is None else _unreversed(before, point, float(gone[-1]))
+
+
+def _is_rounding(problem: Problem, cycle: Cycle) -> bool:
+    """Whether a cycle is open by no more than what errors of integration grow to on the way round.
+
+    A motion that follows what repels it for long forgets its start, and not these.
+    """
+    looser = replace(problem, solver=problem.solver.with_error(AMPLIFIED))
+    ends = [passage(one, cycle.anchor, cycle.period, tangents=False) for one in (problem, looser)]
+    if any(one.stop != Stop.REACHED or one.events != cycle.around.events for one in ends):
+        return False
+    return cycle.residual <= float(np.max(np.abs(ends[0].state - ends[1].state) / cycle.scales))
 
 
 def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
@@ -415,7 +435,7 @@ def _can_turn(before: Cycle, after: Cycle) -> bool:
 def _within(line: Continuation, value: float) -> float:
     """The edge of the bracket where `value` is there to rounding."""
     for edge in line.bracket:
-        if abs(value - edge) <= EDGE * line.span:
+        if abs(value - edge) <= max(EDGE * line.span, LAST_DIGITS * abs(edge)):
             return edge
     return value
 
@@ -838,7 +858,8 @@ def _last_end(line: Continuation, walk: _Walk) -> End:
     here, length = closer(line, walk.here, walk.length)
     value = middle_of(line, here, length)
     moved = abs(value - middle_of(line, walk.here, walk.length))
-    width, kind = 0.5 * reach_of(line, here, length) + moved, _kind_of_end(line, here)
+    kind, further = _kind_of_end(line, here)
+    width = 0.5 * reach_of(line, here, length) + moved + further
     if kind in (FOLD, OTHER, AT_REST) and (rest := _at_rest(walk, here)):
         return rest
     return End(value, width, kind, way_of(here), False, here, walk.well)
@@ -856,27 +877,46 @@ def closer(line: Continuation, here: Point, length: float) -> tuple[Point, float
     return here, length
 
 
-def _kind_of_end(line: Continuation, here: Point) -> str:
-    """By the motions a little farther along the branch, where its cycles would have been."""
+def _kind_of_end(line: Continuation, here: Point) -> tuple[str, float]:
+    """By the motions a little farther along the branch, where its cycles would have been, and by
+    how much more of the parameter it shows."""
     for distance in BEYOND:
+        further = reach_of(line, here, distance) if distance > BEYOND[0] else 0.0
         unknowns = here.unknowns + distance * here.tangent
         value = _in_bracket(line, unknowns)
         if line.holding(value) is None:
             unmet = line.invalid(value)
-            return unmet if unmet in CYCLE_END.codes else OTHER
+            return unmet if unmet in CYCLE_END.codes else OTHER, further
         beyond = _over_period(line, here, unknowns)
         if beyond.stop == Stop.CONTACT_LOST:
-            return CONTACT_LOST
+            return CONTACT_LOST, further
         if beyond.stop != Stop.REACHED or beyond.events != here.cycle.around.events:
-            return GRAZING
+            return GRAZING, further
         if _jumps(line, here, unknowns):
-            return GRAZING
+            return GRAZING, further
     events = here.cycle.around.events
-    if here.cycle.largest > UNBOUND or any(one.events != events for one in _beside(line, here)):
-        return GRAZING
+    if here.cycle.largest > UNBOUND:
+        return GRAZING, 0.0
+    if any(one.events != events for one in _beside(line, here)):
+        is_upright = abs(here.slope) < UPRIGHT  # where the parameter hardly tells how far it is
+        return GRAZING, _to_other_events(line, here) if is_upright else 0.0
     if here.kept and here.cycle.last_digits > BLURRED * OPEN:
-        return AT_REST  # too small for its digits, before the parameter came as close as asked
-    return FOLD if abs(here.slope) < UPRIGHT else OTHER
+        return AT_REST, 0.0  # too small for its digits, before the parameter came as close as asked
+    gap = min((abs(1.0 - multiplier) for multiplier in here.cycle.nontrivial), default=0.0)
+    return FOLD if abs(here.slope) < UPRIGHT and gap < CLOSE_TO_ONE else OTHER, 0.0
+
+
+def _to_other_events(line: Continuation, here: Point) -> float:
+    """The least change of the parameter alone, to a power of ten of the bracket, that brings other
+    events; 0 where none does."""
+    events, least = here.cycle.around.events, 0.0
+    for distance in CHANGES:
+        way = np.append(np.zeros(len(here.unknowns) - 1), distance)
+        sides = (_over_period(line, here, here.unknowns + sign * way) for sign in (1.0, -1.0))
+        if all(one.events == events for one in sides):
+            break
+        least = distance * line.span
+    return least
 
 
 def motions_beyond(line: Continuation, here: Point) -> Iterator[Passage]:

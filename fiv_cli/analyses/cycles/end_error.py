@@ -14,6 +14,7 @@ import numpy as np
 from fiv_cli.analyses.cycles.branch import (
     FIRST,
     LONGER,
+    OTHER,
     UNBOUND,
     Continuation,
     End,
@@ -32,7 +33,10 @@ SLACK = 10.0  # times as much as opens the last cycle as far as it is: so far th
 
 
 def end_error(line: Continuation, end: End) -> float:
-    """Distance within which a change or an end lies; NaN where it is not found again."""
+    """Distance within which a change or an end lies; NaN where it is not found again, or where
+    nothing says why no cycle follows: one may, if closer than rounding tells."""
+    if end.kind == OTHER:
+        return float("nan")
     if end.last is None:  # an edge, a first cycle
         return end.width
     solver = line.problem.solver.with_error(LOOSER)
