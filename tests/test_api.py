@@ -322,7 +322,11 @@ def test_the_figures_of_a_case_go_first() -> None:
     found = api.run(api.load(parse_toml(TEXT)))
     axis = api.figure(found).axes[0]
     assert axis.get_ylabel().startswith("$L_s$") or "vibration" in axis.get_ylabel()
-    with pytest.raises(api.UsageError, match="there is no figure, nor kind of figure,"):
+    with pytest.raises(api.UsageError, match="there is no figure, nor kind of figure,") as refused:
+        api.figure(found, "nonsense")
+    assert "run it again first" in str(refused.value)
+    found.attrs["history"] = "fiv history a.toml --settled"  # a motion has those of its own command
+    with pytest.raises(api.UsageError, match="it ran, `fiv history a.toml --settled` again"):
         api.figure(found, "nonsense")
 
 

@@ -228,7 +228,13 @@ def test_levels_are_written_where_a_panel_is_large_beside_them(width, more, is_o
     assert turned and any(turned) == is_on_its_line
     feet = [text.xy for text in drawn.axes[0].texts if isinstance(text, Annotation)]
     (lines,) = drawn.findobj(ContourSet)[:1]
-    on_it = np.concatenate([piece for own in lines.allsegs for piece in own])
+    pieces = [piece for own in lines.allsegs for piece in own]
+    at = np.linspace(0.0, 1.0, 999)
+    dense = [
+        np.transpose([np.interp(at, np.linspace(0.0, 1.0, len(one)), w) for w in one.T])
+        for one in pieces
+    ]
+    on_it = np.concatenate(dense)
     assert bool(feet) != is_on_its_line
     assert all(np.abs(on_it - foot).max(axis=1).min() < 0.1 for foot in feet)
     assert any("0.0005" in text.get_text() for text in drawn.legends[0].get_texts())
@@ -723,6 +729,39 @@ def test_in_a_jump_to_rest_a_level_lies_half_way(overlay):
     assert np.quantile(off_the_grid, 0.1) > 0.35  # where values beside one another differ
 
 
+def test_a_level_at_rest_has_a_line_where_what_moves_passes_it_alone():
+    """A difference of two starts that changes its sign along x = 4, and is 0 where both rest."""
+    dataset = data.stability_map(nx=31, ny=31)
+    x, y = (dataset[name].values for name in ("Omega", "N0"))
+    rests = np.add.outer(x / x.max(), y / y.max()) > 1.2
+    dataset["attractor"].values[:] = np.where(rests, 0, 1)[..., None]  # equilibrium, periodic
+    dataset["status"].values[:] = dataset["status"].values[0, 0, 0]
+    dataset["L_s"].values[:] = np.where(rests, 0.0, 1.0)[..., None]
+    dataset["L_s"].values[..., 1] += np.where(rests, 0.0, 0.1 * (x - 4.0)[:, None])
+    take = {"what": "difference", "over": ["initial"]}
+    corners = on_the_lines(draw(dataset, figure("map", variable="L_s", take=take, level=0.0)))
+    assert len(corners) > 10 and corners[:, 0] == pytest.approx(4.0)
+
+
+def test_that_a_line_leads_along_a_jump_is_told_where_it_is_no_border_as_a_whole():
+    dataset = data.stability_map(initial=("reached",), nx=31, ny=31)
+    told = "along a jump to rest the line is the border, half-way between the points"
+    for level, ending in ((1e-6, None), (5e-4, ""), ([5e-4, 1e-3], "; the others end there")):
+        drawn = draw(dataset, figure("map", variable="L_s", level=level))
+        notes = [note.partition(": ")[2] for note in style.notes_on(drawn) if told in note]
+        assert notes == ([] if ending is None else [f"{told}{ending}"])
+
+
+def test_shades_of_what_rests_alone_are_those_of_what_is_undecided():
+    dataset = data.stability_map(initial=("reached",), nx=8, ny=8)
+    moving = dataset["L_s"].values > 0.0
+    dataset["reason"] = dataset["status"].copy(data=np.zeros(dataset["status"].shape, np.int8))
+    dataset["reason"].attrs = {"flag_values": [0, 1], "flag_meanings": "none time_budget"}
+    dataset["reason"].values[moving] = 1
+    (mesh,) = draw(dataset, figure("map", variable="L_s")).axes[0].findobj(QuadMesh)
+    assert mesh.get_clim() == pytest.approx((0.0, dataset["L_s"].values[moving].max()))
+
+
 def test_no_level_of_a_difference_follows_a_jump_but_the_one_next_to_none():
     """Two starts of which both, one, or none vibrate: the border between the first two, y = 10 x,
     has no line, that between the last two, y = 5 x, one of the level next to zero."""
@@ -989,7 +1028,8 @@ def test_a_level_that_single_points_of_a_refined_map_pass_is_in_no_jump_to_rest(
     values[max(y - 1, 0) : y + 2, max(x - 1, 0) : x + 2] = np.nan
     values[y, x] = 4.0
     dataset["L_s"] = dataset["L_s"].copy(data=values)
-    (note,) = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.5, 2.0])))
+    notes = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.5, 2.0])))
+    (note,) = [one for one in notes if "along a jump to rest" not in one]
     assert note.startswith("no line $L_s$ = 2 rad$^{2}$: where it is passed no three neighbours")
 
 

@@ -55,7 +55,7 @@ def _in_a_figure(word: str) -> str:
         return ""
     return (
         f"write {word} under [[figure]] in the case (fiv kinds figure), then `fiv run` it: that "
-        "computes nothing anew"
+        "computes nothing anew (of a motion: the same `fiv history` again)"
     )
 
 

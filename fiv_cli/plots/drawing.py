@@ -190,7 +190,9 @@ def figures_called(source: Source, name: str) -> list[FigureSpec]:
     named = [figure for figure in figures if figure.name == name]
     named = named or [figure for figure in figures if figure.kind == name]
     names = [figure.name for figure in figures]
-    following = "fiv kinds figure; of one that the case has got since it ran, run it again first"
+    command = next((str(one.attrs.get("history", "")) for one in _analyses(source).values()), "")
+    again = f"`{command}` again" if command.startswith("fiv history") else "run it again first"
+    following = f"fiv kinds figure; of one that the case has got since it ran, {again}"
     pick(name, dict.fromkeys([*names, *KINDS]), "figure, nor kind of figure,", following)
     return named or [FigureSpec(name, name, {})]
 

@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CROWDED = 0.5  # of the steps of the grid that a line crosses: another level lies in them, too
+FLAT = 1e-3  # of the range of a plane: what varies by less at rest has one value there
+MOSTLY = 0.9  # of a line: what is a border for so long is one
 LEAP = 3.0  # times the step after it
 ISLAND, MANY_ISLANDS = 3, 4  # points of the grid; islands of which a line has no few
 NOT_KNOWN = "not known"
 NO_CELLS = np.empty((0, 4))
 ALONE = (
     "where it is passed no three neighbours have a value, as in one row of points alone, or beside "
-    "points of a refined map that were not run"
+    "points of a refined map that were not run or that rest at it"
 )
 IN_A_JUMP = (
     "it lies in the jump between rest and motion, where of several levels that next to rest alone "
@@ -100,6 +102,43 @@ def broken(
                 f"{words(array, level, levels)}: its line has gaps, where points are undecided; a "
                 "longer t_max of the analysis decides most"
             )
+
+
+def jumps_from(at_rest: np.ndarray, plane: np.ndarray) -> bool:
+    """Whether what rests has one value, from which all else jumps; of what varies there none."""
+    rests, known = at_rest[np.isfinite(at_rest)], plane[np.isfinite(plane)]
+    if min(rests.size, known.size) == 0:
+        return False
+    return bool(np.ptp(rests) <= FLAT * np.ptp(known))
+
+
+def along_jumps(
+    array: xr.DataArray,
+    panels: Sequence[Panel],
+    at_rest: Sequence[np.ndarray],
+    levels: Sequence[float],
+) -> Iterator[str]:
+    """Which lines lead in part along a jump to rest, or alone of several: no point has their level
+    there. `at_rest` has a number of each panel where it rests."""
+    met = []
+    for number, level in enumerate(levels):
+        jumps, passed = 0, 0
+        for panel, rests in zip(panels, at_rest, strict=True):
+            planes = (one for one in panel[number] if len(one) == 1 and jumps_from(rests, one))
+            for plane in planes:
+                parts = (np.where(np.isfinite(rests) == here, plane, np.nan) for here in (0, 1))
+                every = int(_crossed(plane, level).sum())
+                jumps += every - sum(int(_crossed(part, level).sum()) for part in parts)
+                passed += every
+        if jumps and (len(levels) > 1 or jumps < MOSTLY * passed):
+            met.append(level)
+    if met:
+        told = f"{_named(met, levels)} {labels.unit_text(str(array.attrs.get('units', '1')))}"
+        others = "; the others end there" if len(met) < len(levels) else ""
+        yield (
+            f"{array.name} = {told.rstrip()}: along a jump to rest the line is the border, "
+            f"half-way between the points{others}"
+        )
 
 
 def scattered(

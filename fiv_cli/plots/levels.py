@@ -55,7 +55,6 @@ STEP = 0.25  # between points of other lines, in heights of letters
 BY, MOST_BESIDE = 0.3, 30
 ENOUGH = 0.5  # of these heights, by which another line is further off: then rather at the middle
 WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (0, 1)], float)
-FLAT = 1e-3  # of the range of a plane: what varies by less at rest has one value there
 PAD = 0.25  # around a level that is written, in heights of its letters
 WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.7}
 STROKE: Any = {"arrowstyle": "-", "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0}
@@ -210,9 +209,9 @@ def half_way(ends: Sequence[np.ndarray], resting: np.ndarray, level: float) -> l
     Where in such a jump it passes is not known, and what is read in it, of a low level, would be
     beside the point that rests. `resting` has numbers there: what varies among them does not jump.
     """
-    found, rests = [], resting[np.isfinite(resting)]
+    found = []
     for plane in ends:
-        if rests.size == 0 or np.ptp(rests) > FLAT * np.ptp(plane[np.isfinite(plane)]):
+        if not level_notes.jumps_from(resting, plane):
             found.append(plane)
             continue
         around = np.pad(plane, ((0, 0), (1, 1), (1, 1)), constant_values=np.nan)

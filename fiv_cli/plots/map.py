@@ -228,14 +228,18 @@ class _Lines:
     @cached_property
     def drawn(self) -> list[Panel]:
         """Those of which lines are drawn: these are half-way where they lead along a jump."""
-        at_rest = (self.planes.ends(panel, apart=True)[0][:1] for panel in self.planes.panels)
         return [
             [
                 levels.half_way(one, resting, level)
                 for one, level in zip(own, self.levels, strict=True)
             ]
-            for own, resting in zip(self.ends, at_rest, strict=True)
+            for own, resting in zip(self.ends, self._at_rest, strict=True)
         ]
+
+    @cached_property
+    def _at_rest(self) -> list[np.ndarray]:
+        """The numbers of what rests, of each panel: a stack of one part."""
+        return [self.planes.ends(panel, apart=True)[0][:1] for panel in self.planes.panels]
 
     def _drawn(self, panel: points.Line) -> Panel:
         """Those of one."""
@@ -245,14 +249,23 @@ class _Lines:
 
     def _of_panel(self, panel: points.Line) -> Panel:
         """The levels next to what rests, to either side, are borders of regions, which may be
-        jumps; no other line leads along one from rest. One at rest itself is no border."""
+        jumps; no other line leads along one from rest. One at rest itself is no border, but where
+        what moves passes it."""
         whole, apart = (self.planes.ends(panel, apart=one) for one in (False, True))
         at_rest = apart[0][0]
         if not np.isfinite(at_rest).any():
             return [whole] * len(self.levels)
         off = np.subtract(self.levels, np.nanmedian(at_rest))
-        beside = {0.0, off[off > 0.0].min(initial=np.inf), off[off < 0.0].max(initial=-np.inf)}
-        return [whole if one in beside else apart for one in off.tolist()]
+        beside = {off[off > 0.0].min(initial=np.inf), off[off < 0.0].max(initial=-np.inf)}
+        moving = [np.where(np.isfinite(at_rest), np.nan, end) for end in whole]
+        return [
+            moving
+            if one == 0.0 and not any(level_notes.side(end[0], level) for end in whole)
+            else whole
+            if one in beside or one == 0.0
+            else apart
+            for one, level in zip(off.tolist(), self.levels, strict=True)
+        ]
 
     @property
     def missed(self) -> list[str]:
@@ -269,6 +282,7 @@ class _Lines:
         yield from level_notes.scattered(array, ends, self.levels)
         for told in (level_notes.steep, level_notes.saddles):
             yield from told(array, self.planes.axes, ends, self.levels)
+        yield from level_notes.along_jumps(array, ends, self._at_rest, self.levels)
         unsure = points.gaps(self.planes.dataset).get(UNDECIDED, array.isnull() & False)
         undecided = [self.planes.of(unsure, panel) for panel in self.planes.panels]
         yield from level_notes.broken(array, ends, self.levels, undecided)
@@ -635,7 +649,8 @@ def _shades(planes: _Planes, values: xr.DataArray, logarithmic: bool) -> tuple[f
     known = values.values[np.isfinite(values.values)]
     settled = values.where(~planes.on_its_way).values
     settled = settled[np.isfinite(settled)]
-    return _ends(settled if settled.size else known, logarithmic)
+    tells = settled.size and (np.ptp(settled) > 0.0 or np.ptp(known) == 0.0)
+    return _ends(settled if tells else known, logarithmic)
 
 
 def _with_rests(planes: _Planes, values: xr.DataArray) -> xr.DataArray:
