@@ -23,6 +23,7 @@ from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.toml import parse_toml, toml_text
 from fiv_cli.cli.main import run as command
 from fiv_cli.models import get_model
+from fiv_cli.plots.drawing import figures_called
 
 TEXT = """
 schema = 1
@@ -325,9 +326,10 @@ def test_the_figures_of_a_case_go_first() -> None:
     with pytest.raises(api.UsageError, match="there is no figure, nor kind of figure,") as refused:
         api.figure(found, "nonsense")
     assert "run it again first" in str(refused.value)
-    found.attrs["history"] = "fiv history a.toml --settled"  # a motion has those of its own command
-    with pytest.raises(api.UsageError, match="it ran, `fiv history a.toml --settled` again"):
-        api.figure(found, "nonsense")
+    motion = {"history": next(iter(found.children.values())).to_dataset()}
+    motion["history"].attrs["history"] = "fiv history a.toml --settled"  # its own command
+    with pytest.raises(api.UsageError, match=r"`fiv history a\.toml --settled` again"):
+        figures_called(motion, "nonsense")
 
 
 def test_an_amplitude_is_without_the_offset_and_in_no_file(own_folder: Path) -> None:
