@@ -685,9 +685,10 @@ def test_a_line_tells_time_rate_and_what_is_left() -> None:
         "2 of 3, a.toml: 60 of 100 points done, 1 failed; "
         "100 s elapsed, 0.5 points/s, some 80 s to go",
         "2 of 3, a.toml: 70 of 100 points done, 2 failed; "
-        "6.7 min elapsed, 0.033 points/s, some 15 min to go",
+        "6.7 min elapsed, 0.033 points/s of late, some 15 min to go",
         "2 of 3, a.toml: 70 of 100 points done, 2 failed; "
-        "18 min elapsed, 0.01 points/s, some 50 min to go; slowest 5 min at v=1.0,initial=far",
+        "18 min elapsed, 0.01 points/s of late, some 50 min to go; "
+        "slowest 5 min at v=1.0,initial=far",
     ]
 
 
@@ -710,8 +711,10 @@ def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
     course = Course(101, [0.0, 20.0, 30.0], [0, 90, 100])
     assert course.pace(40.0) == "40 s elapsed, 3.3 points/s"  # the last should be there by now
     course = Course(3170, [0.0, 60.0, 120.0], [0, 2000, 3000])
-    assert course.pace(121.0).endswith("17 points/s, some 9.2 s to go")
-    assert course.pace(127.0).endswith("17 points/s")  # none came for longer than would be left
+    assert course.pace(121.0).endswith("17 points/s of late, some 9.2 s to go")
+    assert course.pace(127.0).endswith(
+        "17 points/s of late"
+    )  # none came for longer than would be left
     few = Course(1000, [0.0, 90.0], [0, 45])
     alike = "90 s elapsed, 0.5 points/s, some 32 min to go, were the others alike"
     assert few.pace(90.0) == alike
@@ -732,7 +735,7 @@ def test_a_rate_is_that_of_its_analysis() -> None:
     course.turn("response", 0)
     assert course.pace(61.0) == "61 s elapsed"
     course.note(71.0, 50)
-    told = "71 s elapsed, 1.2 points/s, some 2 min to go"
+    told = "71 s elapsed, 1.2 points/s of late, some 2 min to go"
     assert course.pace(71.0) == told
     course.turn("response", 0, grows=True)  # a map that is being refined
     assert course.pace(71.0) == f"{told} with the points that are known so far"
@@ -752,7 +755,7 @@ def test_what_a_run_compiles_before_its_first_point_is_no_part_of_its_pace() -> 
     progress.end()
     assert lines[1:] == [
         "0 of 100 points done, 0 failed; 90 s elapsed, being prepared",
-        "20 of 100 points done, 0 failed; 110 s elapsed, 1 points/s, some 80 s to go",
+        "20 of 100 points done, 0 failed; 110 s elapsed, 1 points/s of late, some 80 s to go",
     ]
 
 

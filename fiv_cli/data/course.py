@@ -15,6 +15,7 @@ RECENT = 60.0
 EARLY = 0.1  # share of the points done below which they say little of the others
 YOUNG = 20.0  # seconds in which these few tell nothing at all
 LONG, UNBOUND = 180.0, ": t_max, or --time-limit, bounds what a point takes"  # s without one
+ALIKE = 0.8  # share of each other within which the rate of late is that of the whole run
 LATE = 16  # the last instants, whose longest distance says until when nothing new is no delay
 
 
@@ -107,14 +108,16 @@ class Course:
         return self.done - before < EARLY * (self.total - self.later - before)
 
     def pace(self, now: float) -> str:
-        """``2.5 min elapsed, 31 points/s, some 40 s to go``."""
+        """``2.5 min elapsed, 31 points/s, some 40 s to go``; "of late" where all took longer."""
         elapsed, rate = f"{duration(self.elapsed(now))} elapsed", self.rate(now)
         if rate == 0.0 and not self.name:
             return f"{elapsed}, being prepared"
         if rate == 0.0:
             return elapsed + UNBOUND * (self._own(now) >= LONG)
         speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"
-        told, left = f"{elapsed}, {speed} points/s", self.left(now)
+        whole = (self.done - self.counts[0]) / self.elapsed(self._judged(now))
+        late = "" if ALIKE * rate <= whole <= rate / ALIKE else " of late"
+        told, left = f"{elapsed}, {speed} points/s{late}", self.left(now)
         alike = ", were the others alike" if self._is_early else ""
         if left is None:
             return told
