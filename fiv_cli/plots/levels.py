@@ -355,7 +355,8 @@ def _begin_beside(ax: Axes, lines: QuadContourSet, text: Text) -> None:
     pixels, place = ax.transData, ax.transData.transform(text.get_position())
     half = 0.5 * text.get_window_extent().width + CUT * _height(ax)
     own = [[pixels.transform(piece) for piece in of if len(piece)] for of in lines.allsegs]
-    written = min(chain(*own), key=lambda one: _distances(_dense(one, half), [place]).min())
+    step = STEP * _height(ax)
+    written = min(chain(*own), key=lambda one: _distances(_dense(one, step), [place]).min())
     cut = ([_beside_gap(one, place, half) if one is written else [one] for one in of] for of in own)
     back = pixels.inverted().transform
     lines.set_paths([Path.make_compound_path(*map(Path, map(back, chain(*of)))) for of in cut])
