@@ -56,7 +56,7 @@ INSTEAD = {"contact": "select = { contact = NUMBER }"}
 FIGURES = {
     "map": (
         "a variable over two axes: classes in colours, numbers in shades or as lines",
-        ("x", "y", "variable", "take", "level", "overlay", "zlim", "zlabel"),
+        ("x", "y", "variable", "take", "level", "overlay", "border", "zlim", "zlabel"),
     ),
     "basin": (
         "starts over two of their states, coloured by what they reach, and where they rest; over "
@@ -231,8 +231,9 @@ tolerance). One over a lattice of starts (axes initial.x) counts its points, eac
 the middles of cells, not on the edges of the range.
 
 A map draws the line at which its numbers have a `level`: the border of a region, also in a jump, to
-rest half-way between the points. Of several levels only that next to rest lies in such a jump; of
-an interval each end has its line. With overlay = true there are the lines alone, all in one panel.
+rest half-way between the points. Of several levels only that next to rest lies in such a jump, and
+none with border = false; of an interval each end has its line. With overlay = true there are the
+lines alone, all in one panel.
 Over a map of anything, of classes too, lie lines of other variables of the case, as
 level = { growth_rate = 0.0 }, or of what another has found, "CASE:growth_rate": read between the
 points, so up to half a step off where a number jumps to rest, and a step at another jump. Exact are

@@ -463,6 +463,10 @@ class FigureTable(Table):
         default=False,
         description="phase: all motions in one panel; map: the lines at `level` alone, all in one",
     )
+    border: bool = Field(
+        default=True,
+        description="map: whether the line of the level next to rest leads on along a jump to rest",
+    )
     log: bool | Literal["x", "y", "xy", "z", "xz", "yz", "xyz"] = Field(
         default=False,
         description='logarithmic axes: true, "x", "y" or "xy"; "z": the shades of a map',

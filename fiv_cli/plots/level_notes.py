@@ -67,6 +67,7 @@ def crowded(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float
     """Which neighbouring levels pass between the same points: where, their grid cannot tell."""
     crossed = [
         np.concatenate([_crossed(plane, level) for panel in panels for plane in panel[number]])
+        & (not _has_no_line(panels, number, level))
         for number, level in enumerate(levels)
     ]
     of_a_bundle = {
@@ -81,6 +82,10 @@ def crowded(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float
             f"{array.name} = {told}: between the same points of the grid along most of "
             "their lines, which are no more exact; more of it: a larger num, a narrower axis"
         )
+
+
+def _has_no_line(panels: Sequence[Panel], number: int, level: float) -> bool:
+    return all(beside(plane, level) for panel in panels for plane in panel[number])
 
 
 def broken(
@@ -122,6 +127,8 @@ def along_jumps(
     there. `at_rest` has a number of each panel where it rests."""
     met = []
     for number, level in enumerate(levels):
+        if _has_no_line(panels, number, level):
+            continue
         jumps, passed = 0, 0
         for panel, rests in zip(panels, at_rest, strict=True):
             planes = (one for one in panel[number] if len(one) == 1 and jumps_from(rests, one))
@@ -137,7 +144,7 @@ def along_jumps(
         others = "; the others end there" if len(met) < len(levels) else ""
         yield (
             f"{array.name} = {told.rstrip()}: along a jump to rest the line is the border, "
-            f"half-way between the points{others}"
+            f"half-way between the points{others} (border = false: all end there)"
         )
 
 

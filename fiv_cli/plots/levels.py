@@ -203,24 +203,40 @@ def planes_of(dataset: xr.Dataset, array: xr.DataArray) -> list[xr.DataArray]:
     return [array] if low.equals(high) else [low, high]
 
 
-def half_way(ends: Sequence[np.ndarray], resting: np.ndarray, level: float) -> list[np.ndarray]:
-    """Planes whose line lies in the middle between what rests and what moves beyond the level.
+def half_way(plane: np.ndarray, at_rest: np.ndarray, kinds: np.ndarray, level: float) -> np.ndarray:
+    """A plane whose line lies half-way in jumps: with the middles of its cells and of their sides.
 
-    Where in such a jump it passes is not known, and what is read in it, of a low level, would be
-    beside the point that rests. `resting` has numbers there: what varies among them does not jump.
+    Where in a jump, between points of two `kinds`, a level is passed is not known, and what is read
+    there, of a low one, would be beside the point that rests. Of one part, where what is `at_rest`
+    has one value; any other plane is left as it is.
     """
-    found = []
-    for plane in ends:
-        if not level_notes.jumps_from(resting, plane):
-            found.append(plane)
-            continue
-        around = np.pad(plane, ((0, 0), (1, 1), (1, 1)), constant_values=np.nan)
-        off = np.stack([around[:, 1:-1, 2:], around[:, 1:-1, :-2]])
-        off = np.concatenate([off, [around[:, 2:, 1:-1], around[:, :-2, 1:-1]]]) - level
-        beyond = np.fmin.reduce(np.where(off * (plane - level) < 0.0, np.abs(off), np.nan))
-        mirrored = level + np.sign(plane - level) * beyond
-        found.append(np.where(np.isfinite(resting) & np.isfinite(mirrored), mirrored, plane))
-    return found
+    if len(plane) > 1 or not level_notes.jumps_from(at_rest, plane):
+        return plane
+    part = plane[0]
+    found = np.full(2 * np.array(part.shape) - 1, np.nan)
+    is_jump = np.zeros(found.shape, bool)
+    found[::2, ::2] = part
+    for values, kind, middles, jumps in (
+        (part, kinds, found[1::2, ::2], is_jump[1::2, ::2]),
+        (part.T, kinds.T, found[::2, 1::2].T, is_jump[::2, 1::2].T),
+    ):
+        apart = (kind[1:] != kind[:-1]) & ((values[1:] - level) * (values[:-1] - level) < 0.0)
+        middles[:] = np.where(apart, level, 0.5 * (values[1:] + values[:-1]))
+        jumps[:] = apart
+    across = 0.5 * (part[1:, 1:] + part[:-1, :-1]), 0.5 * (part[1:, :-1] + part[:-1, 1:])
+    middles = np.where(np.isfinite(across[0] + across[1]), 0.5 * (across[0] + across[1]),
+                       np.fmin(*across))  # fmt: skip  # of three points the side between two
+    beside = is_jump[1::2, :-1:2] | is_jump[1::2, 2::2] | is_jump[:-1:2, 1::2] | is_jump[2::2, 1::2]
+    found[1::2, 1::2] = np.where(beside & np.isfinite(middles), level, middles)
+    return found[None]
+
+
+def _halved(places: tuple[np.ndarray, np.ndarray], shape: Sequence[int]) -> list[np.ndarray]:
+    """The places along both axes of a part, with the middles between them where it has these."""
+    return [
+        own if own.size == count else np.interp(np.arange(count) / 2.0, np.arange(own.size), own)
+        for own, count in zip(places, reversed(shape), strict=True)
+    ]
 
 
 def draw(
@@ -247,8 +263,8 @@ def draw(
             parts = (_off_the_level(part, level) for part in plane)
             for part in [part for part in parts if not level_notes.side(part, level)]:
                 lines = ax.contour(
-                    *places, part, levels=[level], colors=[colour], linestyles=[dashes],
-                    linewidths=1.5,
+                    *_halved(places, part.shape), part, levels=[level], colors=[colour],
+                    linestyles=[dashes], linewidths=1.5,
                 )  # fmt: skip
                 lines.set_path_effects(RIM if rim else [])
                 _dash_short_pieces(ax, lines)

@@ -212,13 +212,15 @@ class _Planes:
 class _Lines:
     """The lines at which one variable has its `levels`, each in a style of its own.
 
-    Numbers written on them tell the levels of what is painted, if they are `of_the_map`.
+    Numbers written on them tell the levels of what is painted, if they are `of_the_map`. One level
+    is the `border` of what rests, too, or none is.
     """
 
     planes: _Planes
     levels: Sequence[float]
     styles: Sequence[Any]
     of_the_map: bool
+    border: bool
 
     @cached_property
     def ends(self) -> list[Panel]:
@@ -228,12 +230,13 @@ class _Lines:
     @cached_property
     def drawn(self) -> list[Panel]:
         """Those of which lines are drawn: these are half-way where they lead along a jump."""
+        kinds = [self.planes.of(self.planes.moving, panel) for panel in self.planes.panels]
         return [
             [
-                levels.half_way(one, resting, level)
+                [levels.half_way(plane, at_rest, kind, level) for plane in one]
                 for one, level in zip(own, self.levels, strict=True)
             ]
-            for own, resting in zip(self.ends, self._at_rest, strict=True)
+            for own, at_rest, kind in zip(self.ends, self._at_rest, kinds, strict=True)
         ]
 
     @cached_property
@@ -256,13 +259,14 @@ class _Lines:
         if not np.isfinite(at_rest).any():
             return [whole] * len(self.levels)
         off = np.subtract(self.levels, np.nanmedian(at_rest))
-        beside = {off[off > 0.0].min(initial=np.inf), off[off < 0.0].max(initial=-np.inf)}
+        beside = {off[off > 0.0].min(initial=np.inf), off[off < 0.0].max(initial=-np.inf), 0.0}
+        beside = beside if self.border else {0.0}
         moving = [np.where(np.isfinite(at_rest), np.nan, end) for end in whole]
         return [
             moving
             if one == 0.0 and not any(level_notes.side(end[0], level) for end in whole)
             else whole
-            if one in beside or one == 0.0
+            if one in beside
             else apart
             for one, level in zip(off.tolist(), self.levels, strict=True)
         ]
@@ -322,7 +326,8 @@ def _lines(
             shown = alone if plain.count(alone) == 1 else name
             over = planes if is_own else _beside(layer, planes, name, shown)
             levels.refuse_class(over.array)
-            found.append(_Lines(over, own, _dashes(own, styles[is_own]), is_own))
+            border = bool(settings.get("border", True))
+            found.append(_Lines(over, own, _dashes(own, styles[is_own]), is_own, border))
     return found
 
 
