@@ -136,6 +136,10 @@ def test_several_values_of_an_axis_are_selected_in_a_list_or_one_by_one() -> Non
     assert parse_selection(("modes=[[0,1], [0,0]]",)) == {"modes": ["[[0,1], [0,0]]"]}
     with pytest.raises(UsageError, match=r"one condition, --at 'Omega=5 <= \. < 7'"):
         parse_selection(("Omega=. > 5", "Omega=. < 7"))
+    for sign in (">", ">=", "!="):
+        with pytest.raises(UsageError, match=rf"next: a condition, --at 'Omega=\. {sign} 5'"):
+            parse_selection((f"Omega{sign}5",))
+    assert parse_selection(("v=. >= 0.85",)) == {"v": [". >= 0.85"]}
     with pytest.raises(UsageError, match=r"--at down: malformed\nnext: .*'AXIS=\[ONE,OTHER\]'"):
         parse_selection(("initial=up,down",))
 

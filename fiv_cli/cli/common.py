@@ -138,6 +138,7 @@ def at_option(meaning: str) -> Callable[[F], F]:
 
 
 _FLAT = re.compile(r"\[([^\[\]]*)\]")
+_COMPARED = re.compile(r"([\w.]+)\s*(>=|<=|!=|>|<)\s*(\S.*)")
 _WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
 """What no comma divides: a quoted text, a list."""
 
@@ -181,6 +182,9 @@ def parse_selection(places: tuple[str, ...]) -> dict[str, list[str]]:
 def _assigned(places: tuple[str, ...], form: str) -> Iterator[tuple[str, str]]:
     for part in (part.strip() for place in places for part in _parts(place)):
         name, equals, value = (text.strip() for text in part.partition("="))
+        if compared := _COMPARED.fullmatch(part):
+            condition = "{}=. {} {}".format(*compared.groups())
+            raise UsageError(f"--at {part}: malformed\nnext: a condition, --at '{condition}'")
         if not equals or not name or not value:
             raise UsageError(f"--at {part}: malformed\nnext: {form}")
         yield name, value

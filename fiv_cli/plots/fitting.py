@@ -24,10 +24,11 @@ from fiv_cli.plots import legends, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
 
 LONGEST_TEXT = 600  # characters
 FEWEST_TICKS = 3  # steps between them, on an axis of any length
-TICK_LETTERS = 7  # that a tick and the gap beside it take
+TICK_LETTERS, TICK_GAP = 7, 2  # that a tick and the gap beside it take at least, and the gap
 SAMPLE = "equilibrium 0.870 ± 0.015"
 NARROW_PANEL = 6.0  # in heights of letters: less holds no more than two ticks
 
@@ -103,13 +104,22 @@ def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
         if isinstance(locator, AutoLocator):
             locator.set_params(min_n_ticks=FEWEST_TICKS)
             if axis is ax.xaxis:
-                locator.set_params(nbins=max(FEWEST_TICKS, min(9, beside // TICK_LETTERS)))
+                _fit_ticks(axis, locator, beside)
     above = "\n".join(style.folded(one, beside) for one in title.splitlines())
     below = style.folded(xlabel, beside)
     ax.set(title=above, xlabel=below, ylabel=style.folded(ylabel, upright))
     for label in (ax.xaxis.label, ax.yaxis.label):
         label.set_linespacing(1.1)
     return (above.count("\n") - title.count("\n") + below.count("\n")) * _rows(ax)
+
+
+def _fit_ticks(axis: Axis, locator: AutoLocator, room: int) -> None:
+    """As many ticks along x as there is room for: by how long they are, after a first guess."""
+    letters = TICK_LETTERS
+    for _ in range(2):
+        locator.set_params(nbins=max(FEWEST_TICKS, min(9, room // letters)))
+        texts = axis.get_major_formatter().format_ticks(list(axis.get_majorticklocs()))
+        letters = max(TICK_LETTERS, style.longest(texts or [""]) + TICK_GAP)
 
 
 def _rows(ax: Axes) -> int:
