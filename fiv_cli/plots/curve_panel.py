@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -12,7 +13,7 @@ import numpy as np
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import branch, labels, points, smooth, style
 from fiv_cli.plots.curve_lines import DATASET, DOT, Curve
-from fiv_cli.plots.drawn import DECORATION, leave_out
+from fiv_cli.plots.drawn import DECORATION, in_one_line, leave_out
 from fiv_cli.reading.datasets import flag_names
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ def draw_panel(
         for named in _each_named(ax, curve, entry, apart, room_for):
             _plot(ax, curve, shift, named, apart, room_for, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
+    style.add_notes(ax.figure.figure, [*_of_one_colour(lines)])
     if framed:
         ax.plot([], [], color=style.BLACK, label=FRAMED, **FRAME)
     _name_unsure(ax)
@@ -85,6 +87,24 @@ def _hidden(curve: Curve, upon: np.ndarray) -> Iterator[str]:
         yield (
             f"{curve.label}: its line lies beneath {upon[sure].min()} others that have the same "
             "values; select in the figure draws some of them alone"
+        )
+
+
+def _of_one_colour(lines: Sequence[tuple[Curve, points.Entry]]) -> Iterator[str]:
+    """That dashed lines fill the gaps of others of their colour, which have the same values."""
+    pairs = [
+        (one, other)
+        for (one, entry), (other, beneath) in combinations(lines, 2)
+        if entry.colour == beneath.colour and entry.dash != beneath.dash
+        and not (one.sort or other.sort) and np.array_equal(one.x, other.x)
+        and np.isfinite(one.y).sum() > 1
+        and np.isclose(one.y, other.y, rtol=points.UPON, atol=0.0, equal_nan=True).all()
+    ]  # fmt: skip
+    for one, other in pairs[:1]:
+        more = f", and {len(pairs) - 1} more such pairs" if len(pairs) > 1 else ""
+        yield (
+            f"{in_one_line(one.label)} and {in_one_line(other.label)}: one line in one colour, for "
+            f"they have the same values{more}; select in the figure draws one of them alone"
         )
 
 
