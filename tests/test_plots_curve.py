@@ -23,6 +23,7 @@ from plotted import (
     marks,
 )
 
+from fiv_cli import api
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import draw, look_of, points, save, style
 from fiv_cli.plots.curve_lines import Curve
@@ -423,6 +424,24 @@ def test_a_value_has_one_colour_in_all_panels_and_each_contact_its_dashes():
     assert keys == [*top.values(), BLACK, BLACK]
     rows = list(csv.reader(as_csv(drawn, Path("a.csv")).splitlines()))
     assert {row[4] for row in rows[1:]} == {in_one_line(words) for words in [*top, *below]}
+
+
+def test_a_line_that_fills_the_gaps_of_another_of_its_colour_is_told():
+    """Of critical values that do not depend on a parameter: a legend has both lines."""
+    case = {
+        "schema": 1,
+        "model": {"name": "belt-1dof"},
+        "friction": {"law": "stribeck", "mu_s": 0.4, "mu_k": 0.2, "v_s": 0.5},
+        "grid": {"N": [8.0, 9.0, 10.0], "c": [0.2, 0.3, 0.4], "k": [1.0, 2.0]},
+        "analysis": [{"kind": "critical", "parameter": "v", "bracket": [0.01, 9.0]}],
+    }
+    found = api.run(api.load(case), workers=1)
+    asked = figure("curve", x="N", variable="critical_value")
+    (note,) = [one for one in style.notes_on(draw(found, asked)) if "in one colour" in one]
+    assert "k = 1 N/m and c = 0.2 N s/m, k = 2 N/m: one line" in note
+    assert "and 2 more such pairs; select in the figure" in note
+    alone = figure("curve", x="N", variable="critical_value", select={"k": 1.0})
+    assert not any("in one colour" in one for one in style.notes_on(draw(found, alone)))
 
 
 @pytest.mark.parametrize(("points", "marker"), [(21, "None"), (8, ".")])

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -684,3 +685,19 @@ def test_harmonics_of_a_period_stand_where_they_are_and_not_in_the_middle_of_an_
     np.testing.assert_array_equal(y, [0.0, 2e-3, np.nan, 0.0, 1e-3, np.nan])
     one["period"] = one["period"] * 0.0 + 2.0 / raster  # several harmonics in each interval
     assert draw(one, figure("spectrum")).axes[0].lines[0].get_xdata().size == heights.size
+
+
+@pytest.mark.parametrize("width", [70.0, 84.0, 86.0, 90.0, 100.0])
+def test_ticks_along_x_leave_each_other_room_however_long_they_are(width):
+    motion = data.history(labels=("far",))
+    motion["phi"] = motion["phi"] * (0.0125 / np.nanmax(abs(motion["phi"])))
+    drawn = draw(motion, figure("phase"), look=look_of("paper", width=width))
+    drawn.draw_without_rendering()
+    boxes = [
+        label.get_window_extent()
+        for label in drawn.axes[0].get_xticklabels()
+        if label.get_text() and drawn.axes[0].bbox.x0 <= label.get_window_extent().x1
+        and label.get_window_extent().x0 <= drawn.axes[0].bbox.x1
+    ]  # fmt: skip
+    letter = boxes[0].height
+    assert all(after.x0 - before.x1 > 0.3 * letter for before, after in pairwise(boxes))
