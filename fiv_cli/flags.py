@@ -221,8 +221,8 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "cycle_not_confirmed",
         "the section repeats, but Newton's method finds no stable cycle of the motion's own there "
-        "(an event that grazes, a multiplier of 1; a symmetry that the start keeps): raise t_max, "
-        "lower rtol in [solver], choose another section, or move the start",
+        "(an event that grazes, a multiplier of 1; a symmetry that the start keeps): lower rtol in "
+        "[solver], choose another section, raise t_max, or move the start",
     ),
     Reason(
         "section_drifts",

@@ -700,6 +700,15 @@ def test_a_run_that_waits_for_its_first_point_says_what_bounds_one() -> None:
     assert course.pace(240.0).startswith("4 min elapsed: t_max, or --time-limit, bounds")
 
 
+@pytest.mark.parametrize(("fresh", "how"), [(False, ""), (True, " without --fresh")])
+def test_a_run_that_was_stopped_says_which_command_goes_on(fresh: bool, how: str) -> None:
+    """With --fresh the same would throw away what it has kept."""
+    told = Summary(Path("a.nc"), {"ok": 2, "pending": 3}, 2, 1.0, fresh=fresh).lines()
+    assert told[-1] == f"  what is finished is kept; the same command{how} goes on from here"
+    none = Summary(Path("a.nc"), {"ok": 0, "pending": 5}, 0, 1.0, fresh=fresh).lines()
+    assert not any("kept" in line for line in none)
+
+
 def test_a_rate_of_the_first_points_says_what_it_is_worth() -> None:
     """Counts are numpy's."""
     course = Course(1000, [0.0, 10.0], [0, np.int64(50)])

@@ -122,7 +122,8 @@ class Standing:
             return f"{whole}, of another version of the case"
         if self.dataset_of_other_points:
             return f"{whole}, of another grid or other starts; `fiv run` writes this one"
-        if self.dataset_partial == bool(self.counts["pending"]):
+        stored = self.points - self.counts["pending"]
+        if stored and self.dataset_partial == bool(self.counts["pending"]):
             return "partial" * self.dataset_partial
         return f"{whole}, as it was before; `fiv run` writes it anew"
 

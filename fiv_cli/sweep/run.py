@@ -43,7 +43,8 @@ if TYPE_CHECKING:
 
 SHOWN_ERRORS = 3
 PENDING = "pending"
-GOES_ON = "what is finished is kept; the same command goes on from here"
+GOES_ON = "what is finished is kept; the same command{} goes on from here"
+WITHOUT = " without --fresh"
 CHANGED = (
     "next: a case that is changed so takes fiv run --fresh, or -o FILE.nc, which keeps this one"
 )
@@ -76,6 +77,7 @@ class Summary:
     refined : of each refined analysis, how many of its points were run
     ignored : shards that could not be used, and why
     unwritten : why there is no dataset; empty: there is one
+    fresh : what was stored before was thrown away, as the same command would again
     """
 
     output: Path
@@ -87,6 +89,7 @@ class Summary:
     refined: tuple[str, ...] = ()
     ignored: tuple[tuple[Path, str], ...] = ()
     unwritten: str = ""
+    fresh: bool = False
 
     @property
     def complete(self) -> bool:
@@ -114,7 +117,8 @@ class Summary:
         lines += [f"  {self.unwritten}"] if self.unwritten else []
         is_open = self.complete and any(answer.open for answer in self.answers)
         lines += [f"  {CHANGED}"] if is_open else []
-        return lines + ([] if self.complete or not self.sound else [f"  {GOES_ON}"])
+        goes_on = self.sound and 0 < self.counts.get(PENDING, 0) < total
+        return lines + [f"  {GOES_ON.format(WITHOUT * self.fresh)}"] * goes_on
 
 
 def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Summary:
@@ -148,7 +152,7 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
             with ending.heeded():  # afterwards: one signal leaves it the seconds that it takes
                 unwritten = _written(journal, output, progress)
                 summary = _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
-                return replace(summary, unwritten=unwritten)
+                return replace(summary, unwritten=unwritten, fresh=policy.fresh)
 
 
 def refuse_output(case: Case, output: Path, fresh: bool) -> None:
@@ -173,7 +177,8 @@ def _run_part(plan: Plan, output: Path, part: Part, policy: Policy, progress: Pr
         scheduler = Scheduler(journal, policy, progress, logger(folder))
         with _reported(scheduler, folder, begun):
             _run_all(scheduler)
-        return _summed_up(journal, folder, scheduler.ran, time.monotonic() - begun)
+        summary = _summed_up(journal, folder, scheduler.ran, time.monotonic() - begun)
+        return replace(summary, fresh=policy.fresh)
 
 
 def assemble_case(case: Case, output: Path) -> tuple[Summary, list[str]]:
@@ -379,14 +384,15 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
     if journal.grows:
         note("a refined map: what is to be run grows as its borders are found")
     try:
-        with ending.last_act(partial(_say_at_last, journal)):
+        with ending.last_act(partial(_say_at_last, journal, scheduler.policy.fresh)):
             yield
     except BaseException as error:
         asked = isinstance(error, ending.Ended)
         why = str(error) if asked else f"stopped by {type(error).__name__}"
         log(f"{why} after {scheduler.ran} points")
         journal.ask()
-        for line in _summed_up(journal, output, scheduler.ran, time.monotonic() - begun).lines():
+        summary = _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
+        for line in replace(summary, fresh=scheduler.policy.fresh).lines():
             note(line)
         if asked:
             raise ending.Ended(f"{why}: {_left_behind(scheduler, output)}") from error
@@ -398,7 +404,8 @@ def _left_behind(scheduler: Scheduler, output: Path) -> str:
     """What there is of a run that was ended: a dataset of the points that are done."""
     journal = scheduler.journal
     if not journal.shards():
-        return "no point is done, and there is no dataset; the same command begins again"
+        before = f"{output} is that of a run before" if output.is_file() else "there is no dataset"
+        return f"no point is done, and {before}; the same command begins again"
     if output == journal.folder:
         return f"{output} holds what is done of its part"
     try:
@@ -412,12 +419,13 @@ def _left_behind(scheduler: Scheduler, output: Path) -> str:
     return f"{output} is whole"
 
 
-def _say_at_last(journal: Journal) -> None:
+def _say_at_last(journal: Journal, fresh: bool) -> None:
     """Of a run that is ended at once: what there is of it, on stderr."""
     done, total = journal.progress()
-    told = f"{came(done, total)}, and stored; the same command goes on from here"
+    same = f"the same command{WITHOUT * fresh}"
+    told = f"{came(done, total)}, and stored; {same} goes on from here"
     if done == total and not journal.grows:
-        told = "every point is stored; the same command writes the dataset"
+        told = f"every point is stored; {same} writes the dataset"
     elif not done:
         told = "no point is done; the same command begins again"
     os.write(2, f"{told}\n".encode())
