@@ -115,3 +115,20 @@ def test_a_motion_that_begins_along_its_section_goes_on() -> None:
     found = run(load(case), workers=1)
     assert set(names_of(found["status"]).values.ravel()) == {"ok"}
     assert set(names_of(found["attractor"]).values.ravel()) == {"periodic"}
+
+
+def test_what_follows_a_long_stick_is_on_no_section() -> None:
+    """A stick is one step of a second; over as long a step the series of the slip that follows, at
+    a fifth of a hundredth of that, is so large that its velocity was zero beside it."""
+    at = {"k1": 1.0, "k2": 0.6, "k3": 1.0, "alpha1": np.pi / 4, "alpha2": 0.0, "c1": 0.098}
+    at |= {"c2": 0.002, "v": 0.02, "mu_s": 0.8, "v_s": 0.007, "mu_k": 0.46}
+    start = {"x": 2.72, "y": -0.38}
+    options = {"states": "all", "impact": "none"}
+    begun = motion("flutter-2dof", "stribeck", start, LOOSE, options, **at)
+    section = Section("zero", state="x_dot", direction="down")
+    points = np.zeros(400), np.zeros((400, 4))
+    assert begun.run(400.0, section, points) == Stop.REACHED
+    alone = motion("flutter-2dof", "stribeck", start, LOOSE, options, **at)
+    for time in points[0][: begun.n_sections]:
+        alone.run(time)
+        assert abs(alone.y[2]) < 1e-6

@@ -714,9 +714,11 @@ def rebounds(run: Run, contact: int) -> bool:
         return False
     index, order = let_go(run), run.order
     call_generated(run.taylor[index], run.coefficients, run.time, run.y, run.work)
+    rows = run.n_states + run.n_guards[index]
+    step = min(run.last_step, step_size(run.work, rows, order, run.rtol, run.last_step))
     for g in range(run.n_guards[index]):
         if run.guard_kinds[index, g] == GAP and run.guard_contacts[index, g] == contact:
-            return leading(run.work, (run.n_states + g) * (order + 1), order, run.last_step, 1) > 0
+            return leading(run.work, (run.n_states + g) * (order + 1), order, step, 1) > 0
     return False
 
 
@@ -1578,10 +1580,11 @@ def section_at_event(run: Run, sign_before: float, is_met: bool) -> None:
     """Whether the section lies on the event, and is to be kept.
 
     It is where the state passes zero, and where it comes to stay at zero: when it goes on from
-    there (`sign_before` is 0) it does not count again.
+    there (`sign_before` is 0) it does not count again. What follows is judged over its own step:
+    that before may be far longer, in stick (test_what_follows_a_long_stick_is_on_no_section).
     """
     order, entry = run.order, run.section_state
-    offset, step = entry * (order + 1), run.last_step
+    offset, step = entry * (order + 1), comparing_step(run)
     if not is_met and abs(run.y[entry]) > ZERO * series_scale(run.series, offset, order, step):
         return
     lead = leading(run.series, offset, order, step, 1)
