@@ -139,6 +139,11 @@ def test_several_values_of_an_axis_are_selected_in_a_list_or_one_by_one() -> Non
     for sign in (">", ">=", "!="):
         with pytest.raises(UsageError, match=rf"next: a condition, --at 'Omega=\. {sign} 5'"):
             parse_selection((f"Omega{sign}5",))
+    for other in ("5 < v < 7", ". < 7"):
+        with pytest.raises(UsageError, match="next: --at AXIS=VALUE"):
+            parse_selection((other,))
+    with pytest.raises(UsageError, match="next: --at AXIS=VALUE,initial"):
+        parse_places(("Omega>5",))  # one place: no condition
     assert parse_selection(("v=. >= 0.85",)) == {"v": [". >= 0.85"]}
     with pytest.raises(UsageError, match=r"--at down: malformed\nnext: .*'AXIS=\[ONE,OTHER\]'"):
         parse_selection(("initial=up,down",))

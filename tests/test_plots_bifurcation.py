@@ -1091,6 +1091,8 @@ def test_cycles_and_equilibria_of_cases_with_other_points_lie_in_a_diagram():
         "alone": [{"kind": "cycle", "section": section, "t_max": 300.0}],
     }
     speeds = {"rests": np.linspace(0.05, 0.45, 9), "cycle": [0.21, 0.25, 0.3], "alone": [0.3]}
+    analyses["point"] = linearised  # at one speed, which leads along nothing
+    speeds["point"] = [0.2]
     found = {}
     for name, asked in analyses.items():
         grid = {"v": list(speeds.get(name, np.linspace(0.1, 0.4, 11)))}
@@ -1099,7 +1101,14 @@ def test_cycles_and_equilibria_of_cases_with_other_points_lie_in_a_diagram():
         if isinstance(answer, xr.DataTree):
             answer = {one: each.to_dataset() for one, each in answer.children.items()}
         found[name] = answer
-    every = {}
+    every, point = {}, found.pop("point")
+    lone = {one: each.squeeze("v") for one, each in point.items()}
+    for beside in (point, lone):
+        layers = [("plain", found["plain"]), ("point", beside), ("rests", found["rests"])]
+        (ax,) = draw(layers, figure("bifurcation")).axes
+        known = {x for line in ax.lines if "equilibrium" in str(line.get_label())
+                 for x in line.get_xdata()}  # fmt: skip
+        assert {*found["rests"]["equilibrium"]["v"].values} <= known
     for names in permutations(found, 3):
         if not {"sweep", "plain"} & {*names} or {"sweep", "plain"} < {*names}:
             continue

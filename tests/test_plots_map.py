@@ -755,7 +755,7 @@ def test_that_a_line_leads_along_a_jump_is_told_where_it_is_no_border_as_a_whole
     dataset = data.stability_map(initial=("reached",), nx=31, ny=31)
     told = "along a jump to rest the line is the border, half-way between the points"
     ended = " (border = false: all end there)"
-    others = f"; the others end there{ended}"
+    others = f"; no other line leads along it{ended}"
     for level, ending in ((1e-6, None), (5e-4, ended), ([5e-4, 1e-3], others)):
         drawn = draw(dataset, figure("map", variable="L_s", level=level))
         notes = [note.partition(": ")[2] for note in style.notes_on(drawn) if told in note]

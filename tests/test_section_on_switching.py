@@ -127,7 +127,7 @@ def test_what_follows_a_long_stick_is_on_no_section() -> None:
     begun = motion("flutter-2dof", "stribeck", start, LOOSE, options, **at)
     section = Section("zero", state="x_dot", direction="down")
     points = np.zeros(400), np.zeros((400, 4))
-    assert begun.run(400.0, section, points) == Stop.REACHED
+    assert begun.run(400.0, section, points) == Stop.REACHED and begun.n_sections > 20
     alone = motion("flutter-2dof", "stribeck", start, LOOSE, options, **at)
     for time in points[0][: begun.n_sections]:
         alone.run(time)

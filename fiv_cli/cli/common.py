@@ -138,7 +138,7 @@ def at_option(meaning: str) -> Callable[[F], F]:
 
 
 _FLAT = re.compile(r"\[([^\[\]]*)\]")
-_COMPARED = re.compile(r"([\w.]+)\s*(>=|<=|!=|>|<)\s*(\S.*)")
+_COMPARED = re.compile(r"([^\W\d][\w.]*)\s*(>=|<=|!=|>|<)\s*([-+.\d][^<>=]*)")
 _WHOLE = re.compile(r""""[^"]*"|'[^']*'|\[[^=]*\]""")
 """What no comma divides: a quoted text, a list."""
 
@@ -168,7 +168,9 @@ def parse_selection(places: tuple[str, ...]) -> dict[str, list[str]]:
         a part has no ``=``, or of several conditions it is not clear which are to hold.
     """
     found: dict[str, list[str]] = {}
-    for name, value in _assigned(places, "--at AXIS=VALUE, or of several --at 'AXIS=[ONE,OTHER]'"):
+    for name, value in _assigned(
+        places, "--at AXIS=VALUE, or of several --at 'AXIS=[ONE,OTHER]'", conditions=True
+    ):
         several = _FLAT.fullmatch(value)
         texts = several[1].split(",") if several else [value]
         found.setdefault(name, []).extend(text.strip().strip("\"'") for text in texts)
@@ -179,10 +181,12 @@ def parse_selection(places: tuple[str, ...]) -> dict[str, list[str]]:
     return found
 
 
-def _assigned(places: tuple[str, ...], form: str) -> Iterator[tuple[str, str]]:
+def _assigned(
+    places: tuple[str, ...], form: str, conditions: bool = False
+) -> Iterator[tuple[str, str]]:
     for part in (part.strip() for place in places for part in _parts(place)):
         name, equals, value = (text.strip() for text in part.partition("="))
-        if compared := _COMPARED.fullmatch(part):
+        if conditions and (compared := _COMPARED.fullmatch(part)):
             condition = "{}=. {} {}".format(*compared.groups())
             raise UsageError(f"--at {part}: malformed\nnext: a condition, --at '{condition}'")
         if not equals or not name or not value:

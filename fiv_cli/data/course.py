@@ -108,7 +108,7 @@ class Course:
         return self.done - before < EARLY * (self.total - self.later - before)
 
     def pace(self, now: float) -> str:
-        """``2.5 min elapsed, 31 points/s, some 40 s to go``; "of late" where all took longer."""
+        """``2.5 min elapsed, 31 points/s, some 40 s to go``; "of late": not that of all."""
         elapsed, rate = f"{duration(self.elapsed(now))} elapsed", self.rate(now)
         if rate == 0.0 and not self.name:
             return f"{elapsed}, being prepared"

@@ -1474,10 +1474,11 @@ def off_section(run: Run, index: int, step: float) -> tuple[float, int]:
         while zeros < order and value == 0.0:
             value = run.series[offset + zeros]
             zeros += 1
-        if zeros > 1:
+        if zeros > 1 and value != 0.0:
             lead = abs(leading(run.series, offset, order, step, zeros - 1))
             zeros = max(zeros, lead)
-        return run.series[offset + zeros - 1], zeros - 1
+            value = run.series[offset + zeros - 1] if lead != 0 else 0.0
+        return value, zeros - 1
     if zeros == 0:
         value = run.y[entry]
     if value == 0.0:

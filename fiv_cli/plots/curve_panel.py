@@ -72,7 +72,8 @@ def draw_panel(
         for named in _each_named(ax, curve, entry, apart, room_for):
             _plot(ax, curve, shift, named, apart, room_for, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
-    style.add_notes(ax.figure.figure, [*_of_one_colour(lines)])
+    if not classes:
+        style.add_notes(ax.figure.figure, [*_of_one_colour(lines)])
     if framed:
         ax.plot([], [], color=style.BLACK, label=FRAMED, **FRAME)
     _name_unsure(ax)
@@ -96,7 +97,8 @@ def _of_one_colour(lines: Sequence[tuple[Curve, points.Entry]]) -> Iterator[str]
         (one, other)
         for (one, entry), (other, beneath) in combinations(lines, 2)
         if entry.colour == beneath.colour and entry.dash != beneath.dash
-        and not (one.sort or other.sort) and np.array_equal(one.x, other.x)
+        and one.label and other.label and not (one.sort or other.sort)
+        and np.array_equal(one.x, other.x)
         and np.isfinite(one.y).sum() > 1
         and np.isclose(one.y, other.y, rtol=points.UPON, atol=0.0, equal_nan=True).all()
     ]  # fmt: skip

@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -221,21 +220,28 @@ def equilibria_of(
     diagram = layer.dataset
     nowhere = diagram["status"] * np.nan
     parts = [(one, _on_axes_of(diagram, one)) for one in (*layer.beside, *others)]
-    same = [(one, own) for one, own in parts if own is not None and axis.name in own.coords]
+    name = str(axis.name)
+    same = [(one, own) for one, own in parts if own is not None and _has_along(own, name)]
     taken = {id(d) for one in shown if one is not layer for d in (one.dataset, *one.beside)}
     free = [own for one, own in same if id(one) not in taken]
     pairs = [
-        (judged, place, judged[axis.name].variable.equals(place[axis.name].variable))
+        (judged, place, judged[name].variable.equals(place[name].variable))
         for judged in (own for _, own in same if {"stable", "growth_rate"} <= {*own})
         for place in _heights(diagram, free, observed, _linearised_at(judged))
     ]
     pairs = [one for one in pairs if one[2] or any(one[0] is own for own in free)]
     if not pairs:
         return Equilibria(dict.fromkeys(EQUILIBRIA, nowhere), nowhere)
-    judged, place, _ = max(pairs, key=itemgetter(2))  # the first of the best
+    # at the same places, and these the most; of the best the first
+    judged, place, _ = max(pairs, key=lambda one: (one[2], one[1][name].size))
     called = {word: place.where(is_class(judged["stable"], (word,))) for word in EQUILIBRIA}
     growth = judged["growth_rate"].where(place.notnull()).reindex_like(place)  # of another grid
     return Equilibria({word: here.reindex_like(place) for word, here in called.items()}, growth)
+
+
+def _has_along(dataset: xr.Dataset, name: str) -> bool:
+    """Whether something of a dataset varies along an axis of this name."""
+    return name in dataset.coords and dataset.coords[name].ndim == 1
 
 
 def _on_axes_of(diagram: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset | None:

@@ -141,7 +141,8 @@ def along_jumps(
             met.append(level)
     if met:
         told = f"{_named(met, levels)} {labels.unit_text(str(array.attrs.get('units', '1')))}"
-        others = "; the others end there" if len(met) < len(levels) else ""
+        drawn = [n for n, level in enumerate(levels) if not _has_no_line(panels, n, level)]
+        others = "; no other line leads along it" if len(met) < len(drawn) else ""
         yield (
             f"{array.name} = {told.rstrip()}: along a jump to rest the line is the border, "
             f"half-way between the points{others} (border = false: all end there)"

@@ -380,7 +380,7 @@ def _begin_beside(ax: Axes, lines: QuadContourSet, text: Text) -> None:
 
 def _beside_gap(line: np.ndarray, place: np.ndarray, half: float) -> list[np.ndarray]:
     """The parts of a line on both sides of a place, each from so far beside it onward."""
-    if (line[0] == line[-1]).all():  # a ring: both lead to its far side
+    if len(line) > 2 and (line[0] == line[-1]).all():  # a ring: both lead to its far side
         nearest = _distances(line[:-1], [place]).argmin()
         line = np.roll(line[:-1], len(line) // 2 - nearest, axis=0)
         line = np.concatenate([line, line[:1]])

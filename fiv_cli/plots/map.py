@@ -261,10 +261,13 @@ class _Lines:
         off = np.subtract(self.levels, np.nanmedian(at_rest))
         beside = {off[off > 0.0].min(initial=np.inf), off[off < 0.0].max(initial=-np.inf), 0.0}
         beside = beside if self.border else {0.0}
-        moving = [np.where(np.isfinite(at_rest), np.nan, end) for end in whole]
+        moves = [np.where(np.isfinite(at_rest), np.nan, end) for end in whole]
         return [
-            moving
-            if one == 0.0 and not any(level_notes.side(end[0], level) for end in whole)
+            [
+                some if not level_notes.side(end[0], level) else end
+                for end, some in zip(whole, moves, strict=True)
+            ]
+            if one == 0.0
             else whole
             if one in beside
             else apart
@@ -411,7 +414,7 @@ def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:
     x, y = _axes(dataset, settings)
     array = dataset[_variable(dataset, settings)]
     spread = [str(x.dims[0]), str(y.dims[0])]
-    if spread[0] == spread[1]:
+    if spread[0] == spread[1] and x.name != y.name:
         raise UsageError(
             f"{x.name} and {y.name} advance together here (zip): a line of points, and no map\n"
             "next: --figure curve, or a case without that zip"

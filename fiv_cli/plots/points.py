@@ -60,6 +60,7 @@ class Settings(TypedDict, total=False):
     contact: int | list[int]
     window: tuple[float | str, float | str]
     overlay: bool
+    border: bool
     log: bool | str
     xlim: tuple[float | str, float | str]
     ylim: tuple[float | str, float | str] | Mapping[str, tuple[float | str, float | str]]

@@ -88,7 +88,8 @@ class Cluster:
         if self._client.status not in ("running", "connecting"):
             raise ClusterError(
                 f"{self._place}: the scheduler is gone, and has not come back for {PATIENCE:g} s\n"
-                "next: start it again, or leave --cluster out; the same command goes on from here"
+                "next: start it again, or leave --cluster out; the same command, without "
+                "--fresh, goes on from here"
             )
         with _cut_off():
             if time.monotonic() - self._looked > ROUND:

@@ -290,7 +290,8 @@ def _written(journal: Journal, output: Path, progress: Progress) -> str:
         command = command_of(journal.plan.case).replace("fiv run", "fiv assemble", 1)
         return (
             f"{output} is not written, as {done:,} of its {size:,} points are done: the same "
-            f"command goes on, `{command} -o {output}` writes it as it is (for minutes)"
+            f"command (without --fresh) goes on, `{command} -o {output}` writes it as it is (for "
+            "minutes)"
         )
     if size >= SLOW:
         told = f"{done:,} of its {size:,} points are done"

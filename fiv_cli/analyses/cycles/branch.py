@@ -207,6 +207,7 @@ class End:
     well_before : the last before it from which the branch went on in steps of ordinary length; None
         where no step failed
     beyond : the first point after it; None where there is none
+    is_met : whether something ends the branch; else no cycle was found, and one may follow
     """
 
     value: float
@@ -217,6 +218,7 @@ class End:
     last: Point | None = None
     well_before: Point | None = None
     beyond: Point | None = None
+    is_met: bool = True
 
 
 # --- the branch's equations ----------------------------------------------------------------------
@@ -862,7 +864,8 @@ def _last_end(line: Continuation, walk: _Walk) -> End:
     width = 0.5 * reach_of(line, here, length) + moved + further
     if kind in (FOLD, OTHER, AT_REST) and (rest := _at_rest(walk, here)):
         return rest
-    return End(value, width, kind, way_of(here), False, here, walk.well)
+    is_met = kind != OTHER or line.holding(_ahead_on(line, here, BEYOND[-1])) is None
+    return End(value, width, kind, way_of(here), False, here, walk.well, is_met=is_met)
 
 
 def closer(line: Continuation, here: Point, length: float) -> tuple[Point, float]:
@@ -950,6 +953,11 @@ def _over_period(line: Continuation, here: Point, unknowns: Vector) -> Passage:
     """The motion from a point near the last cycle, over its period."""
     problem, anchor = line.at(_in_bracket(line, unknowns)), here.frame.anchor_of(unknowns[:-1])
     return passage(problem, anchor, here.cycle.period, tangents=False)
+
+
+def _ahead_on(line: Continuation, here: Point, distance: float) -> float:
+    """The parameter so much farther along the branch, or the edge of the bracket before it."""
+    return _in_bracket(line, here.unknowns + distance * here.tangent)
 
 
 def _in_bracket(line: Continuation, unknowns: Vector) -> float:

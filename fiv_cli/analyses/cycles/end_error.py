@@ -14,7 +14,6 @@ import numpy as np
 from fiv_cli.analyses.cycles.branch import (
     FIRST,
     LONGER,
-    OTHER,
     UNBOUND,
     Continuation,
     End,
@@ -35,7 +34,7 @@ SLACK = 10.0  # times as much as opens the last cycle as far as it is: so far th
 def end_error(line: Continuation, end: End) -> float:
     """Distance within which a change or an end lies; NaN where it is not found again, or where
     nothing says why no cycle follows: one may, if closer than rounding tells."""
-    if end.kind == OTHER:
+    if not end.is_met:
         return float("nan")
     if end.last is None:  # an edge, a first cycle
         return end.width
