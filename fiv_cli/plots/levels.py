@@ -224,8 +224,8 @@ def half_way(plane: np.ndarray, at_rest: np.ndarray, kinds: np.ndarray, level: f
         middles[:] = np.where(apart, level, 0.5 * (values[1:] + values[:-1]))
         jumps[:] = apart
     across = 0.5 * (part[1:, 1:] + part[:-1, :-1]), 0.5 * (part[1:, :-1] + part[:-1, 1:])
-    middles = np.where(np.isfinite(across[0] + across[1]), 0.5 * (across[0] + across[1]),
-                       np.fmin(*across))  # fmt: skip  # of three points the side between two
+    both = 0.5 * (across[0] + across[1])
+    middles = np.where(np.isfinite(both), both, np.fmin(*across))  # or, of three points, of a side
     beside = is_jump[1::2, :-1:2] | is_jump[1::2, 2::2] | is_jump[:-1:2, 1::2] | is_jump[2::2, 1::2]
     found[1::2, 1::2] = np.where(beside & np.isfinite(middles), level, middles)
     return found[None]

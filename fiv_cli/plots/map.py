@@ -258,20 +258,16 @@ class _Lines:
         at_rest = apart[0][0]
         if not np.isfinite(at_rest).any():
             return [whole] * len(self.levels)
-        off = np.subtract(self.levels, np.nanmedian(at_rest))
-        beside = {off[off > 0.0].min(initial=np.inf), off[off < 0.0].max(initial=-np.inf), 0.0}
-        beside = beside if self.border else {0.0}
-        moves = [np.where(np.isfinite(at_rest), np.nan, end) for end in whole]
+        still = float(np.nanmedian(at_rest))
+        off = np.subtract(self.levels, still)
+        beside = {off[off > 0.0].min(initial=np.inf), off[off < 0.0].max(initial=-np.inf)}
+        moving = [
+            end if level_notes.side(end[0], still) else np.where(np.isfinite(at_rest), np.nan, end)
+            for end in whole
+        ]
+        border = whole if self.border else apart
         return [
-            [
-                some if not level_notes.side(end[0], level) else end
-                for end, some in zip(whole, moves, strict=True)
-            ]
-            if one == 0.0
-            else whole
-            if one in beside
-            else apart
-            for one, level in zip(off.tolist(), self.levels, strict=True)
+            moving if one == 0.0 else border if one in beside else apart for one in off.tolist()
         ]
 
     @property
