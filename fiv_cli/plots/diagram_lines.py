@@ -221,7 +221,7 @@ def equilibria_of(
     nowhere = diagram["status"] * np.nan
     parts = [(one, _on_axes_of(diagram, one)) for one in (*layer.beside, *others)]
     name = str(axis.name)
-    same = [(one, own) for one, own in parts if own is not None and _has_along(own, name)]
+    same = [(one, own) for one, own in parts if own is not None and select.has_axis(own, name)]
     taken = {id(d) for one in shown if one is not layer for d in (one.dataset, *one.beside)}
     free = [own for one, own in same if id(one) not in taken]
     pairs = [
@@ -237,11 +237,6 @@ def equilibria_of(
     called = {word: place.where(is_class(judged["stable"], (word,))) for word in EQUILIBRIA}
     growth = judged["growth_rate"].where(place.notnull()).reindex_like(place)  # of another grid
     return Equilibria({word: here.reindex_like(place) for word, here in called.items()}, growth)
-
-
-def _has_along(dataset: xr.Dataset, name: str) -> bool:
-    """Whether something of a dataset varies along an axis of this name."""
-    return name in dataset.coords and dataset.coords[name].ndim == 1
 
 
 def _on_axes_of(diagram: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset | None:

@@ -294,8 +294,7 @@ def _dash_short_pieces(ax: Axes, lines: QuadContourSet) -> None:
 
 def _length(ax: Axes, piece: np.ndarray) -> float:
     """Length of a piece of a line, pixels."""
-    steps = np.diff(ax.transData.transform(piece), axis=0)
-    return float(np.linalg.norm(steps, axis=1).sum())
+    return float(_way(ax.transData.transform(piece))[-1])
 
 
 def _off_the_level(part: np.ndarray, level: float) -> np.ndarray:
@@ -384,7 +383,7 @@ def _beside_gap(line: np.ndarray, place: np.ndarray, half: float) -> list[np.nda
         nearest = _distances(line[:-1], [place]).argmin()
         line = np.roll(line[:-1], len(line) // 2 - nearest, axis=0)
         line = np.concatenate([line, line[:1]])
-    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+    way = _way(line)
     off = _distances(_dense(line, CLOSE * half), [place])
     at = way[-1] * off.argmin() / (off.size - 1)
     ends = [[np.interp(at + to, way, one) for one in line.T] for to in (-half, half)]
@@ -507,12 +506,17 @@ def _thinned(line: np.ndarray, most: int) -> np.ndarray:
 
 def _dense(line: np.ndarray, step: float) -> np.ndarray:
     """Points of a line, at most so far apart."""
-    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
+    way = _way(line)
     known = np.isfinite(way)
     if known.sum() < 2:
         return line[known]
     at = np.linspace(0.0, way[known][-1], 2 + int(way[known][-1] / step))
     return np.column_stack([np.interp(at, way[known], one[known]) for one in line.T])
+
+
+def _way(line: np.ndarray) -> np.ndarray:
+    """How far along a line each of its points lies."""
+    return np.append(0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)))
 
 
 def _directions(along: np.ndarray) -> np.ndarray:

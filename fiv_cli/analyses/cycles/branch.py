@@ -864,7 +864,8 @@ def _last_end(line: Continuation, walk: _Walk) -> End:
     width = 0.5 * reach_of(line, here, length) + moved + further
     if kind in (FOLD, OTHER, AT_REST) and (rest := _at_rest(walk, here)):
         return rest
-    is_met = kind != OTHER or line.holding(_ahead_on(line, here, BEYOND[-1])) is None
+    ahead = _in_bracket(line, here.unknowns + BEYOND[-1] * here.tangent)
+    is_met = kind != OTHER or line.holding(ahead) is None
     return End(value, width, kind, way_of(here), False, here, walk.well, is_met=is_met)
 
 
@@ -953,11 +954,6 @@ def _over_period(line: Continuation, here: Point, unknowns: Vector) -> Passage:
     """The motion from a point near the last cycle, over its period."""
     problem, anchor = line.at(_in_bracket(line, unknowns)), here.frame.anchor_of(unknowns[:-1])
     return passage(problem, anchor, here.cycle.period, tangents=False)
-
-
-def _ahead_on(line: Continuation, here: Point, distance: float) -> float:
-    """The parameter so much farther along the branch, or the edge of the bracket before it."""
-    return _in_bracket(line, here.unknowns + distance * here.tangent)
 
 
 def _in_bracket(line: Continuation, unknowns: Vector) -> float:
