@@ -98,11 +98,11 @@ def _of_one_colour(lines: Sequence[tuple[Curve, points.Entry]]) -> Iterator[str]
         for (one, entry), (other, beneath) in combinations(lines, 2)
         if entry.colour == beneath.colour and entry.dash != beneath.dash
         and one.label and other.label and not (one.sort or other.sort)
-        and np.array_equal(one.x, other.x)
+        and np.array_equal(one.x, other.x) and one.agrees_with(other).all()
         and np.isfinite(one.y).sum() > 1
-        and np.isclose(one.y, other.y, rtol=points.UPON, atol=0.0, equal_nan=True).all()
     ]  # fmt: skip
-    for one, other in pairs[:1]:
+    if pairs:
+        one, other = pairs[0]
         more = f", and {len(pairs) - 1} more such pairs" if len(pairs) > 1 else ""
         yield (
             f"{in_one_line(one.label)} and {in_one_line(other.label)}: one line in one colour, for "

@@ -53,7 +53,7 @@ def unwritten(
     drawn = {
         level: labels.number_text(level, levels)
         for number, level in enumerate(levels)
-        if any(not beside(plane, level) for panel in panels for plane in panel[number])
+        if _has_line(panels, number, level)
     }
     left = [text for level, text in drawn.items() if level not in written]
     if len(drawn) > 1 and left:
@@ -67,7 +67,7 @@ def crowded(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float
     """Which neighbouring levels pass between the same points: where, their grid cannot tell."""
     crossed = [
         np.concatenate([_crossed(plane, level) for panel in panels for plane in panel[number]])
-        & (not _has_no_line(panels, number, level))
+        & _has_line(panels, number, level)
         for number, level in enumerate(levels)
     ]
     of_a_bundle = {
@@ -84,8 +84,8 @@ def crowded(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float
         )
 
 
-def _has_no_line(panels: Sequence[Panel], number: int, level: float) -> bool:
-    return all(beside(plane, level) for panel in panels for plane in panel[number])
+def _has_line(panels: Sequence[Panel], number: int, level: float) -> bool:
+    return any(not beside(plane, level) for panel in panels for plane in panel[number])
 
 
 def broken(
@@ -126,9 +126,8 @@ def along_jumps(
     """Which lines lead in part along a jump to rest, or alone of several: no point has their level
     there. `at_rest` has a number of each panel where it rests."""
     met = []
-    for number, level in enumerate(levels):
-        if _has_no_line(panels, number, level):
-            continue
+    drawn = [(n, level) for n, level in enumerate(levels) if _has_line(panels, n, level)]
+    for number, level in drawn:
         jumps, passed = 0, 0
         for panel, rests in zip(panels, at_rest, strict=True):
             planes = (one for one in panel[number] if len(one) == 1 and jumps_from(rests, one))
@@ -141,7 +140,6 @@ def along_jumps(
             met.append(level)
     if met:
         told = f"{_named(met, levels)} {labels.unit_text(str(array.attrs.get('units', '1')))}"
-        drawn = [n for n, level in enumerate(levels) if not _has_no_line(panels, n, level)]
         others = "; no other line leads along it" if len(met) < len(drawn) else ""
         yield (
             f"{array.name} = {told.rstrip()}: along a jump to rest the line is the border, "

@@ -151,8 +151,8 @@ def run_case(case: Case, output: Path, policy: Policy, progress: Progress) -> Su
             _run_all(scheduler)
             with ending.heeded():  # afterwards: one signal leaves it the seconds that it takes
                 unwritten = _written(journal, output, progress)
-                summary = _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
-                return replace(summary, unwritten=unwritten, fresh=policy.fresh)
+                summary = _summed_up(journal, output, scheduler.ran, begun, policy.fresh)
+                return replace(summary, unwritten=unwritten)
 
 
 def refuse_output(case: Case, output: Path, fresh: bool) -> None:
@@ -177,8 +177,7 @@ def _run_part(plan: Plan, output: Path, part: Part, policy: Policy, progress: Pr
         scheduler = Scheduler(journal, policy, progress, logger(folder))
         with _reported(scheduler, folder, begun):
             _run_all(scheduler)
-        summary = _summed_up(journal, folder, scheduler.ran, time.monotonic() - begun)
-        return replace(summary, fresh=policy.fresh)
+        return _summed_up(journal, folder, scheduler.ran, begun, policy.fresh)
 
 
 def assemble_case(case: Case, output: Path) -> tuple[Summary, list[str]]:
@@ -199,7 +198,7 @@ def assemble_case(case: Case, output: Path) -> tuple[Summary, list[str]]:
         journal = _loaded(Journal(folder, plan, part_folders(folder).values()))
         if journal.shards():
             write_dataset(journal, output)
-        summary = _summed_up(journal, output, 0, time.monotonic() - begun)
+        summary = _summed_up(journal, output, 0, begun)
         return summary, list(_missing(journal, output))
 
 
@@ -392,8 +391,8 @@ def _reported(scheduler: Scheduler, output: Path, begun: float) -> Iterator[None
         why = str(error) if asked else f"stopped by {type(error).__name__}"
         log(f"{why} after {scheduler.ran} points")
         journal.ask()
-        summary = _summed_up(journal, output, scheduler.ran, time.monotonic() - begun)
-        for line in replace(summary, fresh=scheduler.policy.fresh).lines():
+        fresh = scheduler.policy.fresh
+        for line in _summed_up(journal, output, scheduler.ran, begun, fresh).lines():
             note(line)
         if asked:
             raise ending.Ended(f"{why}: {_left_behind(scheduler, output)}") from error
@@ -475,12 +474,15 @@ def _effective_text(case: Case) -> str:
     return "".join(f"# --set {line}\n" for line in case.overrides) + case.text
 
 
-def _summed_up(journal: Journal, output: Path, ran: int, seconds: float) -> Summary:
+def _summed_up(
+    journal: Journal, output: Path, ran: int, begun: float, fresh: bool = False
+) -> Summary:
     return Summary(
         output=output,
         counts=count_statuses(journal),
         ran=ran,
-        seconds=seconds,
+        seconds=time.monotonic() - begun,
+        fresh=fresh,
         answers=tuple(answers(journal)),
         errors=tuple(_errors(journal)),
         refined=tuple(refinements(journal)),

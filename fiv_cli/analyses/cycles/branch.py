@@ -328,19 +328,20 @@ def _corrected(
         values = np.append(found.values, across @ (unknowns - foreseen))
         return Equations(values, lambda: _with_row(found.jacobian(), across), found.around)
 
-    bordered = _across(here.inverse, here.tangent, across)
-    root = newton(conditions, foreseen, bordered, REACH * length)
-    if root is None:
-        return None
-    astray = float(np.linalg.norm(root[0] - foreseen)) / length
-    alike = root[1].around.events == here.cycle.around.events
-    if astray > (BENT if alike else ASTRAY) or (alike and _leaves(here, *root)):
-        return None
-    point = _point(line, here, *root)
-    if point is None:  # a motion so sensitive that what the last correction leaves opens it
-        root = newton(conditions, root[0], reach=REACH * length)
-        point = root and _point(line, here, *root)
-    return point
+    bordered, start = _across(here.inverse, here.tangent, across), foreseen
+    for known in (bordered, None):  # what a correction leaves may open a very sensitive motion
+        root = newton(conditions, start, known, REACH * length)
+        if root is None:
+            return None
+        astray = float(np.linalg.norm(root[0] - foreseen)) / length
+        alike = root[1].around.events == here.cycle.around.events
+        if astray > (BENT if alike else ASTRAY) or (alike and _leaves(here, *root)):
+            return None
+        point = _point(line, here, *root)
+        if point is not None:
+            return point
+        start = root[0]
+    return None
 
 
 def _leaves(here: Point, unknowns: Vector, found: Equations) -> bool:
@@ -398,10 +399,10 @@ def _is_rounding(problem: Problem, cycle: Cycle) -> bool:
     A motion that follows what repels it for long forgets its start, and not these.
     """
     looser = replace(problem, solver=problem.solver.with_error(AMPLIFIED))
-    ends = [passage(one, cycle.anchor, cycle.period, tangents=False) for one in (problem, looser)]
-    if any(one.stop != Stop.REACHED or one.events != cycle.around.events for one in ends):
+    end = passage(looser, cycle.anchor, cycle.period, tangents=False)
+    if end.stop != Stop.REACHED or end.events != cycle.around.events:
         return False
-    return cycle.residual <= float(np.max(np.abs(ends[0].state - ends[1].state) / cycle.scales))
+    return cycle.residual <= float(np.max(np.abs(end.state - cycle.around.state) / cycle.scales))
 
 
 def _unreversed(before: Point, point: Point, gone: float) -> Point | None:
