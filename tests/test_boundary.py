@@ -455,6 +455,7 @@ def test_stick_slip_of_the_pin_is_reached_less_far_than_it_exists(tmp_path: Path
     )
     assert summary.complete
     reached, exists = (read_datasets(tmp_path / "a.nc")[name] for name in ("reached", "exists"))
+    assert reached["boundary"].attrs["long_name"] == "Omega at the border of periodic"
     (low,) = reached["boundary"].values.ravel()
     (high,) = exists["boundary"].values.ravel()
     assert low == pytest.approx(6.838, abs=0.005)

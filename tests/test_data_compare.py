@@ -14,7 +14,14 @@ from fiv_cli.errors import InputError, UsageError
 from fiv_cli.flags import ATTRACTOR, STATUS
 from fiv_cli.reading import select
 from fiv_cli.reading.causes import causes
-from fiv_cli.reading.compare import Difference, Tolerance, Tolerances, compare, read_tolerances
+from fiv_cli.reading.compare import (
+    Difference,
+    Tolerance,
+    Tolerances,
+    compare,
+    count_filled,
+    read_tolerances,
+)
 
 PERIODIC, CHAOTIC = ATTRACTOR.codes["periodic"], ATTRACTOR.codes["chaotic"]
 
@@ -50,6 +57,32 @@ def differences(
 ) -> list[Difference]:
     """Differences of `right` from `dataset`."""
     return compare({"": left or dataset()}, {"": right}, tolerances or Tolerances())
+
+
+def refined() -> xr.Dataset:
+    """The same, of which one point was filled in, not run."""
+    found = dataset().assign_attrs(refined_of="attractor")
+    flags = {"flag_values": np.int8([0, 3]), "flag_meanings": "run filled_in", "units": "1"}
+    found["computed"] = (("mu_k", "initial"), np.int8([[0, 3], [0, 0]]), flags)
+    found["status"].values[0, 1] = 1
+    found["L_s"].values[0, 1] = found["period"].values[0, 1] = np.nan
+    found["section_row_size"].values[0, 1] = 0
+    kept = np.isin(np.arange(6), (1, 2), invert=True)
+    return found.isel(section_obs=kept)
+
+
+def test_what_a_refined_map_filled_in_is_compared_by_its_class_alone() -> None:
+    """A map and the same refined were told to differ in every variable; that no class does, was
+    not said."""
+    assert differences(dataset(), left=refined()) == []
+    assert differences(refined()) == differences(refined(), left=refined()) == []
+    assert count_filled({"": refined()}, {"": dataset()}) == 1
+    other = refined()
+    other["attractor"].values[0, 1] = CHAOTIC
+    (found,) = differences(other)
+    assert found.what == "attractor" and found.count == 1
+    (found,) = differences(changed("L_s", (0, 0), 9.0), left=refined())
+    assert found.what == "L_s" and found.count == 1
 
 
 def changed(name: str, index: tuple[int, ...], value: float) -> xr.Dataset:

@@ -1,5 +1,7 @@
 """Basins, drawn from small datasets, and shares."""
 
+import csv
+import io
 import json
 import re
 from itertools import combinations
@@ -24,6 +26,7 @@ from fiv_cli.plots import default_figures, draw, look_of
 from fiv_cli.plots.curve_lines import _narrowed
 from fiv_cli.plots.drawn import as_csv
 from fiv_cli.plots.style import class_colours
+from fiv_cli.reading import shares
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
 from fiv_cli.reading.summary import lines as summary_lines
 from fiv_cli.reading.summary import summarise
@@ -57,7 +60,7 @@ def test_a_basin_takes_every_point_of_a_lattice_as_a_start():
         rest, moving = (marks_of.get_offsets() for marks_of in ax.collections)
         assert len(rest) + len(moving) == 15
         assert np.hypot(*rest.T).max() < radius < np.hypot(*moving.T).min()
-    assert "equilibrium 3 of 15" in drawn.axes[0].get_title()
+    assert "equilibrium 20.0 % (3 of 15)" in drawn.axes[0].get_title()
     assert "standard error" not in " ".join(legend_texts(drawn))
 
 
@@ -144,7 +147,7 @@ def test_a_basin_tells_cycles_of_one_class_apart_by_their_periods():
     (ax,) = draw(dataset, figure("basin")).axes
     told = legend_texts(ax.figure)
     (long, short) = (next(one for one in told if f"$T$ = {t} s" in one) for t in ("2", "0.5"))
-    counts = [int(one.rpartition(" of ")[0].rpartition(" ")[2]) for one in (long, short)]
+    counts = [int(one.rpartition(" of ")[0].rpartition("(")[2]) for one in (long, short)]
     cycle = dataset["attractor"].isel(Omega=0) == dataset["attractor"].max()
     assert counts == [int((cycle & (~large if n == 0 else large)).sum()) for n in (0, 1)]
     dataset["L_s"] = dataset["L_s"] * 0.0 + 1.0
@@ -349,7 +352,22 @@ def test_shares_of_a_lattice_of_starts_have_no_standard_error():
     drawn = draw(lattice, figure("basin"))
     assert not [text for text in drawn.findobj(Text) if re.search("±|error", text.get_text())]
     reached = class_names(lattice["attractor"][0])
-    assert f"periodic {(reached == 'periodic').sum()} of 200" in drawn.axes[0].get_title()
+    assert f"({(reached == 'periodic').sum()} of 200)" in drawn.axes[0].get_title()
+
+
+def test_shares_of_a_table_of_many_starts_are_counted():
+    """They were refused, and the legend had counts alone."""
+    found = data.basin().assign_attrs(starts_json=json.dumps({"any": "table"}))
+    reached = class_names(found["attractor"][0])
+    share = float((reached == "periodic").mean())
+    rows = list(csv.DictReader(io.StringIO(shares.as_csv(found))))
+    (own,) = [row for row in rows if row["class"] == "periodic" and float(row["Omega"]) == 1.0]
+    assert float(own["share"]) == share and own["standard_error"] == ""
+    title = draw(found, figure("basin")).axes[0].get_title()
+    assert f"periodic {100 * share:.1f} % ({200 * share:.0f} of 200)" in title
+    few = found.isel(initial=slice(9))
+    with pytest.raises(UsageError, match="a table of 10 or more, or a lattice"):
+        shares.as_csv(few)
 
 
 @pytest.mark.parametrize(("kind", "bars"), [("random", 2), ("table", 0)])
@@ -551,7 +569,7 @@ def test_shares_are_a_table(tmp_path):
             [str(tmp_path / "a.nc"), "--csv", "shares", "--json"], standalone_mode=False
         )
     data.bifurcation().to_netcdf(tmp_path / "b.nc")
-    with pytest.raises(UsageError, match="no random starts here"):
+    with pytest.raises(UsageError, match="no starts here of which shares would be told"):
         CliRunner().invoke(
             show_command, [str(tmp_path / "b.nc"), "--csv", "shares"], catch_exceptions=False
         )
@@ -562,8 +580,10 @@ def test_show_tells_the_shares_of_random_starts_with_their_standard_errors(kind,
     starts = json.dumps({"any": kind})
     dataset = data.basin(speeds=(1.0, 2.0, 9.0)).assign_attrs(starts_json=starts)
     printed = [line for line in summary_lines(summarise({"": dataset})) if "shares" in line]
-    assert len(printed) == 2 * told
-    if told:
+    assert len(printed) == 2
+    if not told:  # each of a table counts alike
+        assert "±" not in "".join(printed) and " all of " not in printed[0]
+    else:
         rest, moving = re.findall(r" (?:equilibrium|periodic) ([^,;]*)", printed[0])
         assert rest.endswith(" (all of 200: at least 0.985 at 95%)")  # 0.985 ** 200 is 0.05
         rest, none = rest.split(" (")[0], " (none of 200: at most 0.01 at 95%)"

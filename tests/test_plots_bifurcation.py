@@ -424,11 +424,11 @@ def test_of_lines_along_the_axis_two_beneath_the_last_are_seen(starts):
 
 
 @pytest.mark.parametrize(
-    ("alone", "marks"), [([], ["None", "None"]), ([20], [".", "x"]), ([20, 21], [".", "x"])]
+    ("alone", "marks"), [([], ["None", "None"]), ([20], [".", "^"]), ([20, 21], [".", "^"])]
 )
 def test_points_that_stand_alone_tell_by_marks_what_dashes_do(alone, marks):
     """Their colour is the preload's: two dots of one were those of two variables. So they do where
-    two points are a line too short for its dashes."""
+    two points are a line too short for its dashes. None has the mark of what is undecided."""
     values = np.linspace(1.0, 2.0, 46)[:, None] + np.array([0.0, 3.0, 6.0])
     classes = np.full(values.shape, "periodic", object)
     classes[alone] = "equilibrium"
@@ -590,9 +590,11 @@ def test_a_leap_to_a_cycle_of_one_point_is_one_whatever_else_a_panel_shows(far, 
     dataset = dataset.assign_coords(Omega=("Omega", np.arange(1.0 * kinds.size), {"units": "1"}))
     dataset["L_s"].values[:, 0] = periods
     dataset["multiplicity"] = dataset["status"].copy(data=kinds[:, None])
-    line = draw(dataset, figure("curve", variable="L_s", **asked)).axes[0].lines[0]
+    lines = draw(dataset, figure("curve", variable="L_s", **asked)).axes[0].lines
+    line = max(lines, key=lambda one: len(one.get_xdata()))
     assert np.flatnonzero(np.isnan(line.get_ydata())).tolist() == [200, 202, 403]
     assert (line.get_marker() == "None") == bool(asked)
+    assert lines[0].get_marker() == "None"  # its key
 
 
 def test_a_line_breaks_where_any_mark_of_its_motion_leaps():
@@ -1214,6 +1216,9 @@ def test_lines_of_equilibria_meet_where_a_critical_value_says_or_midway(found, m
     lines = {line.get_label(): line.get_xydata() for line in ax.lines}
     stable, unstable = (lines[f"{word}stable equilibrium"] for word in ("", "un"))
     stable, unstable = (line[np.isfinite(line[:, 1])] for line in (stable, unstable))
+    turns = [one.get_xdata() for one in ax.lines if one.get_marker() == "|" and one.get_visible()]
+    seen = [at for of in turns for at in of]  # what a critical value tells has a mark
+    assert seen == ([met] if met == found[0] else [])
     assert [at for at in stable[:, 0] if at in unstable[:, 0]] == [met]
     np.testing.assert_allclose(stable[:, 1], 0.01 * stable[:, 0])
     assert stable[0].tolist() == unstable[-1].tolist()

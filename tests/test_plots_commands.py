@@ -611,11 +611,11 @@ def test_an_end_that_is_an_edge_of_the_bracket_has_no_error_and_is_told():
     """A branch may go on beyond: its edge, off by 0, stood as an end in a figure."""
     found = data.response(np.full(4, "periodic"), np.ones(4), {"v": np.arange(4.0)})
     kinds = np.array(["bracket", "grazing", "grazing", "grazing"])
-    found["cycle_highest"] = ("v", [16.0, 9.0, 8.0, 7.0], {"units": "m s-1"})
+    found["cycle_highest"] = ("v", [10.0, 9.0, 8.0, 7.0], {"units": "m s-1"})
     found["cycle_highest_error"] = ("v", [0.0, 0.1, 0.1, 0.1], {"units": "m s-1"})
     found["cycle_highest_kind"] = data.flags(("v",), kinds, ("grazing", "bracket"))
     drawn = draw(found, figure("curve", variable="cycle_highest"))
-    assert marks(drawn.axes[0], "_error not known").tolist() == [[0.0, 16.0]]
+    assert marks(drawn.axes[0], "_error not known").tolist() == [[0.0, 10.0]]
     assert style.notes_on(drawn) == [
         "cycle_highest: 1 of them an edge of the bracket, beyond which it may go on: widen it"
     ]

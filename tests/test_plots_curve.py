@@ -233,6 +233,27 @@ def test_all_variables_of_a_curve_leave_a_motion_at_the_same_points():
     assert breaks == [[], [after.argmax()], [after.argmax()]]
 
 
+def test_where_a_line_leaves_a_motion_for_another_of_its_class_is_told():
+    """Gaps that nothing explained; one where a cycle grows, between a bend and a stick, is none."""
+    found = data.bifurcation().isel(initial=[0], Omega=slice(8))
+    (periodic,) = (c for c, n in flag_names(found["attractor"].attrs).items() if n == "periodic")
+    found["attractor"] = found["attractor"].copy(data=np.full((8, 1), periodic))
+    at, found["multiplicity"] = found["Omega"].values, found["L_s"].copy(data=np.ones((8, 1)))
+    for heights, gaps in (
+        ([1.0, 1.1, 1.2, 1.3, 3.0, 3.1, 3.2, 3.3], [4]),
+        ([1.1, 2.0, 2.6, 2.6, 2.7, 2.7, 2.8, 2.8], []),  # sticks from the third on
+    ):
+        found["L_s"] = found["L_s"].copy(data=np.array(heights)[:, None])
+        sticks = (not gaps) * np.fmax(0.0, 0.05 * np.arange(-1.0, 7.0))[:, None]
+        found["stick_fraction"] = (("Omega", "initial"), sticks, {"units": "1"})
+        drawn = draw(found, figure("curve", variable="L_s"))
+        (ax,) = drawn.axes
+        assert np.flatnonzero(np.isnan(ax.lines[0].get_ydata())).tolist() == gaps
+        notes = [note for note in style.notes_on(drawn) if "not joined" in note]
+        assert len(notes) == len(gaps)
+        assert all(f"between Omega = {at[3]:.6g} and {at[4]:.6g}" in note for note in notes)
+
+
 def test_series_of_a_curve_without_a_name_of_their_own_have_no_comma():
     assert points.unlisted("", "stable cycle") == points.unlisted("_", "stable cycle")
     assert points.unlisted("_near", "stable cycle") == "_near, stable cycle"

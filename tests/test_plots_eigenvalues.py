@@ -11,7 +11,7 @@ from plotted import figure, legend_texts, marks
 
 from fiv_cli.errors import UsageError
 from fiv_cli.friction import get_law
-from fiv_cli.plots import draw, draw_laws, look_of
+from fiv_cli.plots import draw, draw_laws, look_of, style
 from fiv_cli.plots.drawn import as_csv
 from fiv_cli.plots.law import force
 
@@ -116,6 +116,19 @@ def test_the_dashes_of_several_lines_of_a_mode_are_seen_where_it_is_unstable():
         assert sum(np.isfinite(band.get_ydata()).sum() for band in bands) == int(unstable.sum())
 
 
+@pytest.mark.parametrize(("off", "told"), [(1e-4, True), (0.1, False)])
+def test_that_a_line_of_a_mode_hides_another_is_told(off, told):
+    """Frequencies that damping hardly changes: of three dampings two lines were seen."""
+    one = data.eigenvalues().assign_coords(c1=1.0)
+    other = one.assign_coords(c1=2.0)
+    other["mode_frequency"] = other["mode_frequency"] * (1.0 + off)
+    other["eigenvalue_real"] = other["eigenvalue_real"] - 0.2
+    drawn = draw(xr.concat([one, other], "c1").assign_attrs(one.attrs), figure("eigenvalues"))
+    notes = style.notes_on(drawn)
+    hidden = "mode_frequency: mode 1 is one line at c_1 = 1 and c_1 = 2, nearly everywhere, and 1"
+    assert any(note.startswith(hidden) for note in notes) == told
+
+
 def test_lines_of_modes_lead_through_the_point_where_they_merge():
     """Between two points of the grid; a table has those alone."""
     whole = data.eigenvalues()
@@ -202,6 +215,14 @@ def test_what_a_contact_holds_in_stick_is_drawn():
     (ax,) = draw_laws(["coulomb"]).axes
     dotted = [line for line in ax.lines if line.get_linestyle() == ":" and len(line.get_xdata())]
     assert list(dotted[0].get_ydata()) == [-0.4, 0.4]
+
+
+def test_what_one_law_holds_in_stick_is_seen_beneath_that_of_another():
+    (ax,) = draw_laws(["coulomb", "stribeck"]).axes
+    first, second = [
+        line for line in ax.lines if line.get_linestyle() == ":" and len(line.get_xdata())
+    ]
+    assert first.get_linewidth() > second.get_linewidth()
 
 
 def test_laws_are_drawn_with_the_parameters_that_are_given():

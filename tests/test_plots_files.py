@@ -7,7 +7,7 @@ import synthetic_datasets as data
 from plotted import figure
 
 from fiv_cli.errors import StorageError, UsageError
-from fiv_cli.plots import default_figures, draw, look_of, save
+from fiv_cli.plots import default_figures, draw, look_of, save, style
 
 SIGNATURES = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 
@@ -95,6 +95,22 @@ def test_a_talk_has_larger_letters_and_thicker_lines():
 def test_looks_that_cannot_be_had_are_told(arguments, message):
     with pytest.raises(UsageError, match=message):
         look_of(*arguments)
+
+
+def test_no_number_is_parted_from_its_unit():
+    words = "exponential ($\\alpha$ = 1 s/m, $c_1$ = 0.05 N s/m), far"
+    lines = [line for most in range(12, 40) for line in style.folded(words, most).splitlines()]
+    assert not [line for line in lines if line.startswith(("s/m", "N ", "= "))]
+
+
+def test_files_of_other_titles_say_that_there_is_none():
+    one, other = data.bifurcation(), data.bifurcation()
+    other.attrs["title"] = "Another"
+    for second, told in ((one, 0), (other, 1)):
+        drawn = draw([("a", one), ("b", second)], figure("curve"))
+        notes = [note for note in style.notes_on(drawn) if note.startswith("no title")]
+        assert len(notes) == told
+        assert ("A sweep" in drawn.get_suptitle()) == (not told)
 
 
 def test_long_labels_of_small_panels_are_folded_but_not_in_a_formula():

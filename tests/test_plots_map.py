@@ -10,6 +10,7 @@ import pytest
 import synthetic_datasets as data
 import xarray as xr
 from click.testing import CliRunner
+from matplotlib import colormaps
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import BoundaryNorm, LogNorm, to_hex
 from matplotlib.contour import ContourSet
@@ -1253,6 +1254,31 @@ def test_a_map_has_lines_at_a_level_of_another_analysis(variable):
     looks = {(key.get_linestyle(), key.get_color()) for key in keys}
     assert len(looks) == 2  # each line that is drawn is told from the others
     assert "no line growth rate = 99 rad/s: below everywhere" in drawn.get_suptitle()
+
+
+def test_levels_over_classes_have_their_numbers_where_these_tell_of_which_variable():
+    """Dashes alone told four levels; and the border, dashed too, was hard to tell from them."""
+    found, several = {"growth_rate": [0.0, 1.0]}, {"growth_rate": [0.0, 1.0], "L_s": [1e-3]}
+    for asked, told in ((found, {"0", "1"}), (several, set())):
+        drawn = draw(with_growth(), figure("map", variable="attractor", level=asked))
+        written = {text.get_text() for ax in drawn.axes for text in ax.texts}
+        assert written == told
+
+
+def test_numbers_of_both_signs_and_differences_have_shades_that_part_at_zero():
+    dataset = data.stability_map(initial=("reached",))
+    dataset["L_s"] -= 1e-3
+    taken = {"what": "difference", "over": ["initial"]}
+    several = data.stability_map()
+    for of, settings in ((dataset, {}), (several, {"take": taken})):
+        drawn = draw(of, figure("map", variable="L_s", **settings))
+        (mesh,) = drawn.axes[0].findobj(QuadMesh)
+        ends = np.array([mesh.norm.vmin, mesh.norm.vmax])
+        for value in (0.0, *ends, 0.5 * ends.max()):
+            share = 0.5 + 0.5 * value / np.abs(ends).max()
+            np.testing.assert_allclose(mesh.to_rgba(value), colormaps["PRGn"](share), atol=0.02)
+    plain = draw(data.stability_map(), figure("map", variable="L_s"))
+    assert plain.findobj(QuadMesh)[0].get_cmap().name == "cividis"
 
 
 def test_of_several_modes_a_map_has_the_line_of_the_one_that_is_selected():

@@ -694,7 +694,7 @@ def test_a_line_tells_time_rate_and_what_is_left() -> None:
 
 def test_a_run_that_waits_for_its_first_point_says_what_bounds_one() -> None:
     course = Course(1, [0.0], [0])
-    assert course.pace(90.0) == "90 s elapsed, being prepared"
+    assert course.pace(90.0) == "90 s elapsed, being compiled or prepared"
     course.turn("response", 0)
     assert course.pace(90.0) == "90 s elapsed"
     assert course.pace(240.0).startswith("4 min elapsed: t_max, or --time-limit, bounds")
@@ -763,7 +763,7 @@ def test_what_a_run_compiles_before_its_first_point_is_no_part_of_its_pace() -> 
     progress.tell()
     progress.end()
     assert lines[1:] == [
-        "0 of 100 points done, 0 failed; 90 s elapsed, being prepared",
+        "0 of 100 points done, 0 failed; 90 s elapsed, being compiled or prepared",
         "20 of 100 points done, 0 failed; 110 s elapsed, 1 points/s of late, some 80 s to go",
     ]
 

@@ -76,6 +76,14 @@ class Question:
     counts: bool = False
     contact: int | None = None
 
+    @property
+    def changes(self) -> str:
+        """Where its answer changes: ``at the border of periodic``, ``at which L_s passes 0.1``."""
+        if self.below is None:
+            name = self.name.replace("_", " ")
+            return f"at the border of {name}" if name else "at which the answer changes"
+        return f"at which {self.variable} passes {self.below:g}"
+
 
 class Known(Protocol):
     """What a setting may ask of the case that it stands in."""

@@ -37,7 +37,8 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
     Then how many points have come from which class into which; then, of numbers, the worst where
     both are of the same class, equilibrium or periodic (relative 1e-6 unless --tolerances says
     otherwise); quasi-periodic and chaotic motions are compared by L_s, mean powers and shares of
-    time only, to 10 % ([sampled]) or, without --tolerances, four of their standard errors.
+    time only, to 10 % ([sampled]) or, without --tolerances, four of their standard errors. Of what
+    a refined map filled in the class alone is compared.
 
     \b
     Examples:
@@ -47,7 +48,13 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
       fiv diff runs/a.nc lighter.nc --tolerances sweeps/pin-reached/tolerances.toml
     """
     from fiv_cli.reading.causes import causes
-    from fiv_cli.reading.compare import Tolerances, compare, has_sampled, read_tolerances
+    from fiv_cli.reading.compare import (
+        Tolerances,
+        compare,
+        count_filled,
+        has_sampled,
+        read_tolerances,
+    )
     from fiv_cli.reading.datasets import read_analyses
 
     chosen = Tolerances() if tolerances is None else read_tolerances(tolerances)
@@ -55,12 +62,18 @@ def command(first: Path, second: Path, tolerances: Path | None, as_json: bool) -
     found = compare(left, right, chosen)
     heads = [next(iter(side.values())) for side in (left, right)]
     axes = {str(name) for head in heads for name, coord in head.coords.items() if coord.ndim}
+    of_class_alone = count_filled(left, right)
     behind = causes(heads[0].attrs, heads[1].attrs, axes)
     if as_json:
         tolerances_used = {name: vars(getattr(chosen, name)) for name in ("default", "sampled")}
         told = {"equal": not found, "within": tolerances_used}
+        told |= {"of_class_alone": of_class_alone}
         print_json(told | {"causes": behind, "differences": found})
     else:
+        if of_class_alone:
+            click.echo(
+                f"{of_class_alone} points were filled in: of these the class alone is compared"
+            )
         for cause in behind:
             click.echo(printable(f"computed with another {cause}"))
         for one in found:

@@ -111,7 +111,7 @@ class Course:
         """``2.5 min elapsed, 31 points/s, some 40 s to go``; "of late": not that of all."""
         elapsed, rate = f"{duration(self.elapsed(now))} elapsed", self.rate(now)
         if rate == 0.0 and not self.name:
-            return f"{elapsed}, being prepared"
+            return f"{elapsed}, being compiled or prepared"
         if rate == 0.0:
             return elapsed + UNBOUND * (self._own(now) >= LONG)
         speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"

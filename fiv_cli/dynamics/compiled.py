@@ -44,5 +44,8 @@ DRIVER = Compiled("driver", SIGNATURE, FILES, _declare)
 
 def load_driver(announce: Callable[[str], None]) -> None:
     """Have the driver at hand; `announce` is called with a sentence if it must be compiled."""
-    told = "compiling the integrator (once per user, up to half a minute on a free core)"
+    told = (
+        "compiling the integrator (once per user: half a minute on a free core, minutes on a busy "
+        "machine; ended before it is done, it begins anew)"
+    )
     DRIVER.load(announce, told)

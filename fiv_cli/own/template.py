@@ -77,7 +77,7 @@ MODEL = Model(
     states=lambda options: STATES,
     equations=equations,
     default_law="coulomb",
-    law_defaults={"mu_k": 0.23, "mu_s": 0.4},  # of laws that have them
+    law_defaults={"mu_k": 0.23, "mu_s": 0.4},  # of laws that have them; "mu_s": "mu_k" follows it
     constant_load=True,  # the normal force is a parameter; else leave it out
     example=Example("v", 0.5, 2.0),  # for v from 0.5 to 2.0 m/s it vibrates somewhere
 )

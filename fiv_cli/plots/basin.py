@@ -89,8 +89,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     rows = -(-len(panels) // columns)
     style.make_room(figure, rows * max(ax.get_title().count("\n") for ax in axes))
     error = " ± standard error" if _is_sample(dataset) else ""
-    what = "shares" if error else "counts"
-    of_starts = f"{what} of the starts{'' if single else ' above each panel'}{error}"
+    of_starts = f"shares of the starts{'' if single else ' above each panel'}{error}"
     if not single and any("cycle" in name for name in looks):
         of_starts += "; cycles by size"
     legends.legend_below(figure, legends.told_in(axes)[0], of_starts)
@@ -333,7 +332,7 @@ def _told(shares_of: Mapping[str, str]) -> dict[str, str]:
 def _shares(reached: np.ndarray, sample: bool) -> dict[str, str]:
     """Class -> its share in one panel: periodic -> ``0.621 ± 0.034``, equilibrium -> ``(all 200)``.
 
-    Of starts that are no random `sample` it is a count: ``124 of 200``.
+    Of starts that are no random `sample` it is a count, too: ``62.0 % (124 of 200)``.
     """
     names, counts = np.unique(reached[reached != NOT_COMPUTED].astype(str), return_counts=True)
     total = int(counts.sum())
@@ -341,7 +340,7 @@ def _shares(reached: np.ndarray, sample: bool) -> dict[str, str]:
     for name, count in zip(names.tolist(), counts.tolist(), strict=True):
         share = count / total
         told = with_error(share, shares.standard_error(share, total))
-        found[name] = told if sample else f"{count} of {total}"
+        found[name] = told if sample else f"{100.0 * share:.1f} % ({count} of {total})"
         if count == total:
             found[name] = f"(all {total})"
     return found

@@ -155,16 +155,17 @@ def _draw_all_equilibria(
     axis: xr.DataArray,
     observed: str,
 ) -> None:
-    """Draw the equilibria of every diagram, with marks where some that are one line turn.
+    """Draw the equilibria of every diagram, with marks where they turn, as another analysis found.
 
-    Of others a table alone has where they turn: in a figure the dashes tell it.
+    What is read between points the dashes alone tell, and a table; where some are one line, marks.
     """
     drawn = [
         draw_equilibria(ax, layer, lines, changes_along(layer, others, axis, observed), axis)
         for layer, lines in zip(shown, equilibria, strict=True)
     ]
     turns = [turn for turns, _ in drawn for turn in turns]
-    mark_turns(ax, turns, seen=any(shares for _, shares in drawn))
+    births = branch.births_along(others, str(axis.name), observed)
+    mark_turns(ax, turns, any(shares for _, shares in drawn), births)
 
 
 def _name_marks(ax: Axes, marks: Sequence[Line2D], diagram: xr.Dataset) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise, permutations
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -241,6 +241,12 @@ def told_of(
         for line in lines_apart(dataset):
             for word, value, extremes, _ in stretches(dataset, line.index):
                 yield line, word, value, OF_EXTREMES[of](*extremes)
+
+
+def births_along(datasets: Iterable[xr.Dataset], axis: str, observed: str) -> np.ndarray:
+    """Where branches along an axis end at an equilibrium."""
+    along = (one for one in datasets if is_along(one, axis, observed))
+    return np.concatenate([np.zeros(0), *map(births, along)])
 
 
 def births(dataset: xr.Dataset) -> np.ndarray:

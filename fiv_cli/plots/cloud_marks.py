@@ -23,15 +23,17 @@ SEEN_ON_LINES = 2.4  # size of dots that lines lead through, where columns have 
 FILLED = 0.75  # ... which is this share of it
 APART = 1.9  # size of marks that stand apart, and ...
 SHAPES = 24  # ... how many there are of one cloud from one side to the other
+OF_ALL = 1.3  # size of the mark of what every start leads to, in dots
 MOST_ROWS = 4  # of one cloud whose ends have marks
 DOTS_BETWEEN = 4  # marks, or more: at every second place they would look like another sort
 # Of the key of marks that stand among dots: these to both sides.
-AMONG_DOTS: dict[str, Any] = {"ls": (0, (0.01, 3.5)), "lw": 1.3, "dash_capstyle": "round"}
+AMONG_DOTS: dict[str, Any] = {"ls": (0, (0.01, 3.85)), "lw": 1.3, "dash_capstyle": "round"}
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
 ONE_PLACE = 0.01  # of the extent of a cloud: values that lie so close are one mark
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 WIDER = 0.8  # share by which a dot that lies beneath another is wider, for each of these
+MANY = "many values at one place"
 UNSETTLED = "values where undecided"
 
 
@@ -69,6 +71,8 @@ def mark_clouds(
         _mark_some(ax, pairs, sorts, resting, settings, squares)
     for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
+    if crowd and sorts > 1:
+        ax.plot([], [], ls="none", color=style.BLACK, label=MANY, **style.mark_of(0, 1, FINEST))
     if apart.size and squares:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
     _name_undecided(ax, pairs)
@@ -104,7 +108,8 @@ def _mark_beneath(
 
 def _mark_finely(ax: Axes, cloud: Cloud, entry: points.Entry, size: float, resting: str) -> None:
     """The values of one cloud that do not crowd, and its points at rest, as dots."""
-    _mark_values(ax, cloud, replace(entry, label=points.unlisted(entry.label)), size, 1, many=True)
+    untold = replace(entry, label=points.unlisted(entry.label))
+    _mark_values(ax, replace(cloud, start=""), untold, size, 1, many=True)  # in no start's mark
     dots = style.mark_of(0, 1, size) | {"ls": "none", "color": entry.colour, "rasterized": True}
     for part, word in ((~cloud.told, resting), (cloud.told, "equilibrium")):
         label = points.unlisted(entry.label, word)
@@ -275,7 +280,7 @@ def _mark_rests(
 def _mark_of(start: str, number: int, sorts: int, size: float) -> dict[str, Any]:
     """The mark of a start, or of what all of them lead to."""
     if start in points.SHARED:
-        return {"marker": "D", "ms": size, "mew": 0.0}
+        return {"marker": "D", "ms": OF_ALL * size, "mew": 0.0}
     return style.mark_of(number, sorts, size)
 
 

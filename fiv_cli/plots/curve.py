@@ -24,7 +24,6 @@ from fiv_cli.plots.curve_lines import (
     TOO_SHORT,
     VARIABLE,
     Curve,
-    births_along,
     equilibria,
     is_edge,
     lines_of,
@@ -43,6 +42,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 AMPLITUDE = "_amplitude"  # how the names of such variables end
+MOST_TOLD = 2  # lines of motions that are not joined, of which it is told
+OF_UNDECIDED = "x"  # their mark
+LONG_LABEL = 36  # letters of an entry of a legend
 TO_SEE_DASHES = 4  # times the room between marks without it
 ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CLASS_COLOURS = {name.replace("_", " "): colour for name, colour in style.CLASSES.items()}
@@ -161,8 +163,10 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     names = [one.without(dashed) for one in known]
     yield from points.of_many_lines(names, sorted(dims, key=lambda dim: dim != "initial"))
     x = np.unique([place for one in every for place in one.x])
-    for one in every:
-        yield from broken(one.label or shown.first, shown.axis.name, one.apart, x)
+    for crossings in (True, False):
+        told = [one for one in every if one.of_crossings == crossings and one.apart]
+        for one in told if crossings else told[:MOST_TOLD]:
+            yield from broken(one.label or shown.first, shown.axis.name, one.apart, x)
 
 
 def _alone_unnamed(layers: Sequence[points.Layer], axis: xr.DataArray) -> list[points.Layer]:
@@ -285,17 +289,18 @@ def _lines(shown: _Shown) -> Iterator[tuple[int, Curve]]:
             )
             yield from ((place, curve) for curve in curves)
             if rest and name.endswith(AMPLITUDE):
-                births = births_along(parts[name].values(), axis, name.removesuffix(AMPLITUDE))
+                datasets = (one.dataset for one in parts[name].values())
+                births = branch.births_along(datasets, str(axis.name), name.removesuffix(AMPLITUDE))
                 yield from ((place, curve) for curve in equilibria(part, axis, births))
 
 
 def _told_by_dashes(drawn: Sequence[tuple[int, Curve]], bare: Sequence[int]) -> str:
     """The dim whose words dashes tell, and colours those of all others; "" where none is.
 
-    It leaves fewer entries than lines, or as many where some starts lead to the same: one colour is
-    seen beneath another, and two sorts of dashes are a tangle. Better is one that not all panels
-    have, and of few values. In `bare` panels, and among members of random starts, no dashes are
-    seen; beside branches they tell what is stable.
+    It leaves fewer entries than lines, or as many, but short ones, or where some starts lead to the
+    same: one colour is seen beneath another, and two sorts of dashes are a tangle. Better is one
+    that not all panels have, and of few values. In `bare` panels, and among members of random
+    starts, no dashes are seen; beside branches they tell what is stable.
     """
     if any(one.sort for _, one in drawn):
         return ""
@@ -311,7 +316,8 @@ def _told_by_dashes(drawn: Sequence[tuple[int, Curve]], bare: Sequence[int]) -> 
         few = len(names) <= len(style.LINES)  # that colours tell all of
         hidden = dim == "initial" and few and _coincide(told)
         unfit = unseen or mixed or hidden
-        if 0 < len(sorts) <= len(style.DASHES) and count < most and not unfit:
+        fewer = count < most + (count == len(names) and max(map(len, names)) > LONG_LABEL)
+        if 0 < len(sorts) <= len(style.DASHES) and fewer and not unfit:
             fit[dim] = len(panels), len(sorts)
     return min(fit, key=lambda dim: fit[dim], default="")
 
@@ -321,7 +327,8 @@ def _marked_apart(drawn: Sequence[tuple[int, Curve]], dashed: str) -> list[tuple
     if not any(one.has_lone for _, one in drawn if one.words.get(dashed)):
         return [*drawn]
     words = dict.fromkeys(one.words.get(dashed, "") for _, one in drawn)
-    keys = (dict(zip(("marker", "ms"), mark, strict=True)) for mark in SORT_MARKS[1:])
+    own_marks = (mark for mark in SORT_MARKS[1:] if mark[0] != OF_UNDECIDED)
+    keys = (dict(zip(("marker", "ms"), mark, strict=True)) for mark in own_marks)
     marks = dict(zip(filter(None, words), (DOT, *keys), strict=False))
     own = ((place, one, marks.get(one.words.get(dashed, ""), DOT)) for place, one in drawn)
     return [(place, replace(one, mark=mark, short=TOO_SHORT)) for place, one, mark in own]

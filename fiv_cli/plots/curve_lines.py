@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
@@ -51,13 +51,6 @@ BECOMES = {
 }
 
 
-def births_along(layers: Iterable[points.Layer], axis: xr.DataArray, observed: str) -> np.ndarray:
-    """Where branches along an axis end at an equilibrium."""
-    every = [one.dataset for one in layers]
-    along = [one for one in every if branch.is_along(one, str(axis.name), observed)]
-    return np.concatenate([np.zeros(0), *map(branch.births, along)])
-
-
 def equilibria(layer: points.Layer, axis: xr.DataArray, births: np.ndarray) -> Iterator[Curve]:
     """The equilibria of a case, whose amplitude is none: what eigenvalues tell of them, along an
     axis, and `births` of cycles where they turn stable or unstable.
@@ -97,8 +90,8 @@ class Curve:
     gaps. No error reaches beyond the `limits`, such as 0 and 1 of a share. `names` are the labels
     of all for which it stands. Of a part of a line the `way` leads to its points, too. Pieces of
     no more than `short` points have marks by all means. `apart` are neighbours with crossings both,
-    between which no line leads. Of its points those `between` two of the grid, shape (n, 2), were
-    not computed.
+    or whose motions are of one class, between which no line leads. Of its points those `between`
+    two of the grid, shape (n, 2), were not computed.
     """
 
     words: Mapping[str, str]
@@ -254,14 +247,19 @@ def lines_of(
         )
         y, error, ends = _narrowed(y, error, ends)
         apart = (told[1:] != told[:-1]) | parted(axis)
-        for own in {name, *alike}:
-            apart |= _leaves(dataset, own, line.index, of_panels[own])
-        jumps = (np.flatnonzero(apart) + 1).tolist()
+        left = np.logical_or.reduce(
+            [_leaves(dataset, own, line.index, of_panels[own]) for own in {name, *alike}]
+        )
+        jumps = (np.flatnonzero(apart | left) + 1).tolist()
+        shown = np.isfinite(np.where(open_, np.nan, y))
+        steps = np.flatnonzero(left & ~apart & shown[1:] & shown[:-1])
         told_by = {VARIABLE: words, DATASET: layer.label, **line.words}
         if over and not any(told_by.values()) and dataset.sizes.get("initial") == 1:
             told_by["initial"] = f"start: {dataset['initial'].item()}"
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
-        curves.append(Curve(told_by, x, y, open_, (ends[0], ends[1]), error, jumps, limits=limits))
+        of_line = x, y, open_, (ends[0], ends[1]), error, jumps
+        pairs = tuple((x[at], x[at + 1]) for at in steps)
+        curves.append(Curve(told_by, *of_line, limits=limits, apart=pairs))
     return curves
 
 

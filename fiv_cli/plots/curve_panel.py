@@ -237,6 +237,9 @@ def _plot(
         ax.plot([], [], ls=dash, label=label, **look)
         ax.plot(x, way, ls=dash, label=DECORATION, **{**look, "marker": "None"})
         dash, label = "none", points.unlisted(label)
+    elif "markevery" in look and curve.short == 1 and not curve.sort and _has_pieces(way):
+        ax.plot([], [], ls=dash, color=entry.colour, label=label)  # its points alone have marks
+        label = points.unlisted(label)
     if curve.is_branch and not apart:
         smooth.draw(ax, x, cut, label, ls=dash, **look)
     else:
@@ -245,6 +248,12 @@ def _plot(
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
     _plot_unsure(ax, curve, shift, entry)
+
+
+def _has_pieces(way: np.ndarray) -> bool:
+    """Whether a line leads from some point to the next."""
+    known = np.isfinite(way)
+    return bool((known[1:] & known[:-1]).any())
 
 
 def _plot_errors(

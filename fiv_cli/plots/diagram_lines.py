@@ -306,14 +306,19 @@ def draw_equilibria(
     return turns, shares
 
 
-def mark_turns(ax: Axes, turns: Sequence[Line2D], seen: bool) -> None:
-    """Where each of several equilibria that are one line turns unstable: the line tells of none."""
+def mark_turns(ax: Axes, turns: Sequence[Line2D], shared: bool, births: np.ndarray) -> None:
+    """Where equilibria turn unstable: what was read between points, and what the `births` of cycles
+    have a mark for, is seen only where some are a `shared` line, which tells of none."""
     pairs = [(one, np.array(one.get_data(), float)) for one in turns]
-    known = [(one, places) for one, places in pairs if places.size]
-    for one, places in known:
-        look = {**TURN, "color": one.get_color(), "label": one.get_label(), "visible": seen}
-        ax.plot(*places, **look)
-    if known and seen:
+    seen = [
+        shared or not (BETWEEN in str(one.get_label()) or np.isin(places[0], births).all())
+        for one, places in pairs
+    ]
+    for (one, places), is_seen in zip(pairs, seen, strict=True):
+        look = {**TURN, "color": one.get_color(), "label": one.get_label(), "visible": is_seen}
+        if places.size:
+            ax.plot(*places, **look)
+    if any(is_seen and places.size for (_, places), is_seen in zip(pairs, seen, strict=True)):
         ax.plot([], [], color=style.BLACK, label=TURNS_HERE, **TURN)
 
 

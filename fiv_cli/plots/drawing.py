@@ -260,8 +260,16 @@ def _drawn(
         without = [one.dataset.attrs.get("without", "") for one in layers]
         told = {"", *without[:1]} if style.has_titles() else {""}  # a title tells that of the first
         untold = dict.fromkeys(word for word in without if word not in told)
-        style.add_notes(drawn, [*changed(_lined(figure)), *untold])
+        style.add_notes(drawn, [*changed(_lined(figure)), *untold, *_untitled(files, figure)])
         return drawn
+
+
+def _untitled(files: Sequence[_File], figure: FigureSpec) -> list[str]:
+    """That files have no title in common, where one would stand above."""
+    titles = {title_of(next(iter(held.values())).attrs) for _, held in files}
+    if len(titles) < 2 or "title" in figure.settings or not style.has_titles():
+        return []
+    return ["no title, for those of the files differ; title = TEXT in the figure of the first"]
 
 
 def _files(source: Sources, kind: Kind) -> list[_File]:

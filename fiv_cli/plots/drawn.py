@@ -79,7 +79,7 @@ def as_csv(figure: Figure, path: Path) -> str:
     named = any(_NAMES.get(artist) for artist in figure.findobj(PathCollection))
     writer.writerow([*COLUMNS, START] if named else COLUMNS)
     for ax in figure.axes:
-        told = (str(figure.get_label()), _panel(ax), *_axis_labels(figure, ax))
+        told = (str(figure.get_label()).replace("\n", "; "), _panel(ax), *_axis_labels(figure, ax))
         panel = [in_one_line(word) for word in told]
         for series, line, points, names in _lines(ax):
             x, y = (_told(own, points[:, at]) for at, own in enumerate((ax.xaxis, ax.yaxis)))

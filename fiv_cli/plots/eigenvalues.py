@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
 from fiv_cli.plots.diagram_lines import critical_values
-from fiv_cli.plots.drawn import DECORATION, leave_out
+from fiv_cli.plots.drawn import DECORATION, in_one_line, leave_out
 from fiv_cli.plots.same_parameters import of_the_same
 from fiv_cli.reading import select
 
@@ -35,6 +36,8 @@ DOTS: dict[str, Any] = {
     "color": style.VERMILLION, "ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0, "zorder": 4
 }  # fmt: skip
 
+# Of all that a panel shows: a distance of two lines that is not seen; at which share of points.
+UNSEEN, MOSTLY = 5e-3, 0.9
 CRITICAL: dict[str, Any] = {
     "color": style.BLACK, "ls": "none", "marker": "D", "ms": 4.0, "mfc": "white", "mew": 0.9,
     "zorder": 5,
@@ -111,6 +114,7 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
     # the colour of unstable points is no mode's
     colours = [c for c in style.line_colours(len(modes) + 1) if c != style.VERMILLION]
     drawn: dict[str, ColorType] = {}
+    of_modes: dict[str, list[tuple[str, np.ndarray]]] = {}
     look = BAND if len(lines) > 1 else DOTS
     for number, line in enumerate(lines):
         part = dataset.isel(line.index)
@@ -126,7 +130,9 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             (drawn_line,) = ax.plot(*whole, ls=dash, color=colour, label=label)
             leave_out(drawn_line, np.column_stack([places, met]))
             drawn |= {name_of_mode: colour}
+            of_modes.setdefault(name_of_mode, []).append((line.label, y))
             _mark(ax, *whole, np.insert(growth, after, values.real) > 0.0, look)
+    style.add_notes(ax.figure.figure, [*_upon_one_another(dataset[name], of_modes)])
     for place in np.unique(np.linspace(0, len(drawn) - 1, MOST_NAMED).astype(int)):
         ax.plot([], [], "-", color=[*drawn.values()][place], label=[*drawn][place])
     for number, line in enumerate(lines if len(lines) > 1 else ()):
@@ -134,6 +140,26 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
         ax.plot([], [], ls=dash, color=style.BLACK, label=line.label)
     if np.any(dataset[PARTS[0]].values > 0.0):
         ax.plot([], [], label="unstable", **(look if look is DOTS else look | {"marker": "None"}))
+
+
+def _upon_one_another(
+    variable: xr.DataArray, of_modes: Mapping[str, Sequence[tuple[str, np.ndarray]]]
+) -> Iterator[str]:
+    """That lines of one mode are one nearly everywhere, to what is seen: one hides the other."""
+    least = UNSEEN * (float(variable.max()) - float(variable.min()))
+    pairs = [
+        (mode, one, other)
+        for mode, lines in of_modes.items()
+        for (one, y), (other, its) in combinations(lines, 2)
+        if (np.abs(y - its) <= least).sum() >= MOSTLY * (np.isfinite(y) & np.isfinite(its)).sum()
+    ]
+    if pairs:
+        mode, one, other = pairs[0]
+        more = f", and {len(pairs) - 1} more such pairs" if len(pairs) > 1 else ""
+        yield (
+            f"{variable.name}: {mode} is one line at {in_one_line(one)} and {in_one_line(other)}, "
+            f"nearly everywhere{more}; select in the figure draws one of them alone"
+        )
 
 
 def _mergers(

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 FASTEST = 2.0  # m/s
 SAMPLES = 801
 STICK = ":"
+BENEATH = 1.0  # share by which a line is wider for each that may lie upon it
 
 Given = tuple[Law, Mapping[str, float]]
 
@@ -68,14 +69,16 @@ def _draw(laws: Sequence[Given], fastest: float) -> Figure:
     figure, (ax,) = style.new_panels(1, 1, _title([law for law, _ in laws]))
     for number, given in enumerate(laws):
         colour = style.line_colours(len(laws))[number]
-        _curve(ax, given, fastest, {"color": colour, "ls": style.dash(number, len(laws))})
+        look = {"color": colour, "ls": style.dash(number, len(laws))}
+        _curve(ax, given, fastest, look, 1.0 + BENEATH * (len(laws) - 1 - number))
     forces = [not _scales_with_load(law) for law, _ in laws]
     ratio = "$F_T/F_N$"
     if any(forces) and not all(forces):
         raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
     ax.set_ylabel("$F_T$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
-    ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label="held in stick")
+    told = "held in stick" + ", each in its colour" * (len(laws) > 1)
+    ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label=told)
     legends.colour_keys([ax])
     legends.legend_below(figure, legends.told_in([ax])[0])
     return figure
@@ -112,8 +115,9 @@ def _scales_with_load(law: Law) -> bool:
     return bool(sympy.sympify(expression).has(load))
 
 
-def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any]) -> None:
-    """Both branches, and between them what the contact can hold in stick."""
+def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any], widened: float) -> None:
+    """Both branches, and between them what the contact can hold in stick, `widened` where that of
+    others lies upon it."""
     law, parameters = given
     speed = np.linspace(fastest / SAMPLES, fastest, SAMPLES) - fastest / SAMPLES * (1 - 1e-9)
     name = f"{law.name} ({_values(*given)})"
@@ -121,7 +125,7 @@ def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any]) -> None
         ax.plot(velocity, force(law, velocity, parameters), label=label, **look)
     if law.capacity is not None:
         held = float(law.capacity(1.0, parameters))
-        stick = look | {"ls": STICK, "lw": 1.2, "label": f"_{name}, held in stick"}
+        stick = look | {"ls": STICK, "lw": 1.2 * widened, "label": f"_{name}, held in stick"}
         ax.plot([0.0, 0.0], [-held, held], **stick)
 
 

@@ -58,13 +58,16 @@ def marks_of_motions(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
 
 
 def told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> np.ndarray:
-    """Numbers of kinds of cycles along a line, which change where any mark of motions leaps."""
+    """Numbers of kinds of cycles along a line, which change where any mark of motions leaps.
+
+    What passes no section has none above zero.
+    """
     changes = kinds[1:] != kinds[:-1]
     for one in marks:
         if one.shape == kinds.shape and one.notnull().any():
             ends = float(one.min()), float(one.max())
             changes = changes | leaps(one.values, kinds, ends, logarithmic=False)
-    return np.cumsum(np.append(False, changes))
+    return np.where(kinds > 0.0, 1, -1) * (1 + np.cumsum(np.append(False, changes)))
 
 
 def leaps(
@@ -75,7 +78,8 @@ def leaps(
     Where a cycle gains a stick on its way the line goes on. Steps are compared with those within a
     kind: beside them, else the median of all. No value elsewhere decides on a step that is seen,
     where `shown` are the least and the greatest that are. To a cycle of the same kind it is one
-    that leaps by more than the steps on both sides of it, whatever they do.
+    that leaps by more than the steps on both sides of it, whatever they do: where both lead to
+    other kinds, than these.
     """
     height = np.log10(np.where(y > 0.0, y, np.nan)) if logarithmic else y
     steps, differ = np.abs(np.diff(height)), kinds[1:] != kinds[:-1]
@@ -84,6 +88,10 @@ def leaps(
         return np.zeros(steps.shape, bool)
     known = np.pad(np.where(differ, np.nan, steps), 1, constant_values=np.nan)
     beside, is_alone = np.fmax(known[:-2], known[2:]), np.isnan(known[:-2] + known[2:])
+    moving = np.where(np.minimum(kinds[1:], kinds[:-1]) > 0.0, steps, np.nan)
+    around = np.pad(moving, 1, constant_values=np.nan)
+    of_others = np.isnan(beside) & ~differ
+    beside = np.where(of_others, np.fmax(around[:-2], around[2:]), beside)
     unsure = np.isnan(beside) | (is_alone & ~differ)
     beside = np.where(unsure, np.fmax(beside, np.median(within)), beside)
     grown = np.abs(np.diff(y)) > GROWN * np.minimum(np.abs(y[1:]), np.abs(y[:-1]))

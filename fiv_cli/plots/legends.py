@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.legend import Legend
     from matplotlib.path import Path as Outline
 
-KEY, STAR_KEY = 4.5, 8.0  # sizes of the marks in legends, pt
+KEYS, STAR_KEY = (3.2, 6.5), 8.0  # least and greatest size of the marks in legends, pt; of stars
 # Where a legend is looked for a place in a panel, and the sides of the compass there.
 SIDES: dict[Any, Any] = {
     "upper right": "NE", "upper left": "NW", "lower right": "SE", "lower left": "SW",
@@ -76,12 +76,13 @@ def _parted(words: Sequence[str], columns: int) -> list[list[str]]:
 
 
 def even_keys(legend: Legend) -> None:
-    """Marks of one size, however small or large they are in the figure."""
+    """Marks as large as in the figure, but where these are too small to see what they are."""
     for key in legend.legend_handles:
         if isinstance(key, Line2D):
-            key.set_markersize(STAR_KEY if key.get_marker() == "*" else KEY)
+            size = float(np.clip(key.get_markersize(), *KEYS))
+            key.set_markersize(STAR_KEY if key.get_marker() == "*" else size)
         elif isinstance(key, PathCollection):
-            key.set_sizes([(KEY * style.look().weight) ** 2])  # what is no line is not thickened
+            key.set_sizes([(np.mean(KEYS) * style.look().weight) ** 2])  # is not thickened
 
 
 def colour_keys(axes: Sequence[Axes]) -> None:

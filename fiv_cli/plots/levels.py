@@ -59,7 +59,7 @@ PAD = 0.25  # around a level that is written, in heights of its letters
 WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.7}
 STROKE: Any = {"arrowstyle": "-", "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0}
 # To each side of a level on its line, of the height of letters; of that: its place there.
-CUT, CLOSE = 0.35, 0.05
+CUT, CLOSE = 0.45, 0.05
 HALO: Any = [withStroke(linewidth=2.0, foreground="white")]  # of words that lie on lines
 OVER_MARKS = 4.5
 LEAST_PERIODS = 1.6  # of dashes that a piece of a line shows

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm, Normalize
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
 from fiv_cli.errors import UsageError
@@ -52,7 +52,9 @@ MIDDLE = "undecided points: middle of least and greatest"
 # Whether there is less, and more, than a colour bar holds -> how that is shown.
 EXTENDED = {(False, False): "neither", (True, False): "min", (False, True): "max",
             (True, True): "both"}  # fmt: skip
+SHADES = 512  # of a colour bar
 BELOW = "#DDDDDD"  # of numbers that have no logarithm
+MISSING, HATCHING = "#D8D8D8", "#8A8A8A"
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -108,7 +110,9 @@ def _paint(
     else:
         shades = [points.in_si(end) for end in settings.get("zlim", ())]
         logarithmic = points.is_logarithmic(settings, "z")
-        _paint_numbers(figure, axes, planes, keys, shades, logarithmic=logarithmic)
+        difference = settings.get("take", {}).get("what") == "difference"
+        look = {"logarithmic": logarithmic, "difference": difference}
+        _paint_numbers(figure, axes, planes, keys, shades, **look)
 
 
 def _draw_lines(
@@ -122,7 +126,7 @@ def _draw_lines(
     for ax, panel in zip(axes, planes.panels, strict=False):
         for line in sorted(lines, key=_is_written_on):
             written = line.draw(ax, panel, _colour(line, of_classes))
-            if isinstance(line, _Lines) and line.of_the_map:
+            if isinstance(line, _Lines) and line.numbered:
                 unwritten |= dict.fromkeys(line.unwritten(panel, written))
     return [*unwritten]
 
@@ -212,14 +216,15 @@ class _Planes:
 class _Lines:
     """The lines at which one variable has its `levels`, each in a style of its own.
 
-    Numbers written on them tell the levels of what is painted, if they are `of_the_map`. One level
-    is the `border` of what rests, too, or none is.
+    Those `of_the_map` are of what is painted. Numbers are written on lines that are `numbered`. One
+    level is the `border` of what rests, too, or none is.
     """
 
     planes: _Planes
     levels: Sequence[float]
     styles: Sequence[Any]
     of_the_map: bool
+    numbered: bool
     border: bool
 
     @cached_property
@@ -301,8 +306,8 @@ class _Lines:
     def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> Collection[float]:
         """Draw those of one panel; the levels that are written on their lines."""
         array, places, ends = self.planes.array, self.planes.places, self._drawn(panel)
-        own = self.of_the_map
-        look: dict[str, Any] = {"named": own, "rim": not own, "styles": self.styles}
+        look: dict[str, Any] = {"named": self.numbered, "rim": not self.of_the_map}
+        look["styles"] = self.styles
         return levels.draw(ax, array, places, ends, self.levels, colour, **look)
 
 
@@ -311,22 +316,27 @@ def _lines(
 ) -> list[_Lines | CriticalLines]:
     """What lines a figure asks for: of the variable that it maps, and of others over its axes."""
     wanted = levels.asked(str(planes.array.name), settings.get("level", []))
-    # lines of one colour have each a style of its own
+    of_numbers = [name for name, own in wanted.items() if not isinstance(own, str) and own]
+    # lines of one colour have each a style of its own, the least dashed of critical ones
     styles = {is_own: iter(levels.STYLES) for is_own in (True, False)}
-    found: list[_Lines | CriticalLines] = []
+    found: list[_Lines | CriticalLines] = [
+        _critical(_holding(layer, name), planes, name, own, next(styles[False]))
+        for name, own in wanted.items()
+        if isinstance(own, str)
+    ]
     for name, own in wanted.items():
         is_own = name == planes.array.name
-        if isinstance(own, str):
-            line = _critical(_holding(layer, name), planes, name, own, next(styles[False]))
-            found.append(line)
-        elif own:
+        if not isinstance(own, str) and own:
             alone = name.rpartition(":")[2]
             plain = [one.rpartition(":")[2] for one in (str(planes.array.name), *wanted)]
             shown = alone if plain.count(alone) == 1 else name
             over = planes if is_own else _beside(layer, planes, name, shown)
             levels.refuse_class(over.array)
             border = bool(settings.get("border", True))
-            found.append(_Lines(over, own, _dashes(own, styles[is_own]), is_own, border))
+            # numbers alone do not tell of which variable
+            numbered = is_own or of_numbers == [name]
+            dashes = _dashes(own, styles[is_own])
+            found.append(_Lines(over, own, dashes, is_own, numbered, border))
     return found
 
 
@@ -348,7 +358,7 @@ def _dashes(wanted: Sequence[float], styles: Iterator[Any]) -> list[Any]:
 
 def _is_written_on(line: _Lines | CriticalLines) -> bool:
     """What has numbers written on it comes last, and these beside the other lines."""
-    return isinstance(line, _Lines) and line.of_the_map
+    return isinstance(line, _Lines) and line.numbered
 
 
 def _colour(line: _Lines | CriticalLines, on_classes: bool) -> str:
@@ -565,8 +575,8 @@ def _edges(count: int) -> np.ndarray:
 def hatch(ax: Axes, missing: np.ndarray) -> None:
     """Where there is no answer the panel's own background shows: grey and hatched."""
     if missing.any():
-        ax.set_facecolor("#F2F2F2")
-        ax.patch.set(hatch=HATCH, edgecolor=style.GREY)
+        ax.set_facecolor(MISSING)
+        ax.patch.set(hatch=HATCH, edgecolor=HATCHING)
 
 
 def why_missing(dataset: xr.Dataset, known: xr.DataArray) -> str:
@@ -595,7 +605,7 @@ def _decided(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
 
 def legend_below(figure: Figure, handles: Sequence[Artist], missing: str) -> None:
     """A legend under the panels, with the hatching where something is `missing`."""
-    hatching = Patch(fc="#F2F2F2", ec=style.GREY, hatch=HATCH, label=missing)
+    hatching = Patch(fc=MISSING, ec=HATCHING, hatch=HATCH, label=missing)
     shown = [*handles, hatching] if missing else handles
     legends.legend_below(figure, shown)
 
@@ -608,6 +618,7 @@ def _paint_numbers(
     shades: Sequence[float],
     *,
     logarithmic: bool,
+    difference: bool,
 ) -> None:
     values = _with_rests(planes, numbers(planes.array).where(planes.computed))
     unsure = _unsure(planes)[MIDDLE]
@@ -621,7 +632,9 @@ def _paint_numbers(
     counted = whole and high - low < MOST_COUNTS and not logarithmic
     norm = _norm(low, high, logarithmic=logarithmic, counted=counted)
     least = 0.0 if logarithmic and low > 0.0 else -np.inf  # a logarithm paints no zero
-    colours = colormaps["cividis"].with_extremes(under=BELOW)
+    signed = not (logarithmic or counted) and (difference or low < 0.0 < high)
+    colours = _of_both_signs(low, high) if signed else colormaps["cividis"]
+    colours = colours.with_extremes(under=BELOW)
     for ax, panel in zip(axes, planes.panels, strict=False):
         plane = planes.of(values, panel)
         shown = np.where(plane <= least, 0.5 * low, np.clip(plane, low, high))
@@ -666,6 +679,13 @@ def _with_rests(planes: _Planes, values: xr.DataArray) -> xr.DataArray:
     if bool(ran.any()) and bool((values == 0.0).where(ran, True).all()):
         return values.where(~(resting & filled_in(planes.dataset, "attractor")), 0.0)
     return values
+
+
+def _of_both_signs(low: float, high: float) -> Colormap:
+    """Colours from one number to another that part at zero, which is white, to both sides alike."""
+    greatest = max(abs(low), abs(high)) or 1.0
+    shares = 0.5 + 0.5 * np.linspace(low, high, SHADES) / greatest
+    return ListedColormap(colormaps["PRGn"](shares))
 
 
 def _norm(low: float, high: float, *, logarithmic: bool, counted: bool) -> Normalize:

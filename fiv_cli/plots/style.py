@@ -184,6 +184,7 @@ SETTINGS: dict[Any, Any] = {
     "grid.linewidth": 0.5,
     "lines.linewidth": 1.2,
     "legend.framealpha": 0.9,
+    "legend.handlelength": 2.8,  # dashes are seen whole
     "pdf.fonttype": 42,
     # names of SVG elements are hashed with a fixed salt: the same data gives the same bytes
     "svg.hashsalt": "fiv",
@@ -434,11 +435,14 @@ class TicksAbove(Locator):
         return self.own.nonsingular(v0, v1)
 
 
+UNIT = r"(?: (?:kg|rad|deg|Hz|[NmsJW])(?![A-Za-z])\S*)*"  # of a number before it
+
+
 def folded(words: str, most: int) -> str:
     """Words in lines of at most so many letters, no formula, number, error nor unit divided."""
     lines = [""]
     for word in re.findall(
-        r"(?:\$[^$]*\$|\S)+(?: \d+(?!\S))?(?: [=±] \S+)*(?: \([^()=]*\)$)?", words
+        rf"(?:\$[^$]*\$|\S)+(?: \d+(?!\S))?(?: [=±] \S+{UNIT})*(?: \([^()=]*\)$)?", words
     ):
         line = f"{lines[-1]} {word}".strip()
         if len(MARKUP.sub("", line)) <= most or not lines[-1]:

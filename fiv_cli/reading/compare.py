@@ -5,7 +5,8 @@ Status and class are compared exactly. Numbers are compared where both sides are
 where the analysis knows no classes; quasi-periodic and chaotic motions only by L_s and by the
 shares of time, within the error of a finite window, because two computations of such a motion agree
 for a while only. What says how an answer was reached (how far to trust it, what it cost) is left
-out unless a tolerance is given.
+out unless a tolerance is given. Of points that a refined map did not run, but filled in, its class
+alone is compared.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from fiv_cli.flags import ATTRACTOR
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     error_of,
+    filled_in,
     flag_names,
     is_class,
     name_of_only,
@@ -317,7 +319,7 @@ class _Pair:
 
     def _of_names(self) -> Iterator[Difference]:
         for name in sorted(map(str, self.left.variables.keys() ^ self.right.variables.keys())):
-            if name not in self.tolerances.ignore:
+            if name not in {*self.tolerances.ignore, "computed"}:  # of a map that is refined
                 side = "first" if name in self.left.variables else "second"
                 yield self._told(name, f"only in the {side} dataset")
 
@@ -434,8 +436,16 @@ class _Pair:
     def _compared(self, name: str) -> tuple[xr.DataArray | bool, xr.DataArray | bool]:
         """Where a variable is compared with its own tolerance, and where with that of sampling.
 
-        By the attractor of both sides.
+        Of what was filled in, its class.
         """
+        found = self._of_one_class(name)
+        filled = not_run(self.left, self.right)
+        if filled is None or name in _refined(self.left, self.right):
+            return found
+        return found[0] & ~filled, found[1] & ~filled
+
+    def _of_one_class(self, name: str) -> tuple[xr.DataArray | bool, xr.DataArray | bool]:
+        """The same by the attractor of both sides."""
         if "attractor" not in self.left or "attractor" not in self.right:
             return True, False
         if named(name).role is Role.STATUS or name == "attractor":
@@ -450,6 +460,30 @@ class _Pair:
         codes = [ATTRACTOR.codes[name] for name in classes]
         alike = (left == right) | ("attractor" in self.tolerances.ignore)
         return left.isin(codes) & right.isin(codes) & alike
+
+
+def not_run(left: xr.Dataset, right: xr.Dataset) -> xr.DataArray | None:
+    """Points that one side did not run, but filled in; None of maps that are not refined."""
+    if not any("computed" in one for one in (left, right)):
+        return None
+    status = left["status"]
+    if status.shape != right["status"].shape:
+        return None
+    sides = [filled_in(one, str(one.attrs.get("refined_of"))) for one in (left, right)]
+    return sides[0] | status.copy(data=sides[1].values)
+
+
+def count_filled(left: Mapping[str, xr.Dataset], right: Mapping[str, xr.Dataset]) -> int:
+    """At how many points both are compared by the class alone, since one was filled in there."""
+    pairs = [(one, right[name]) for name, one in left.items() if name in right]
+    alike = [pair for pair in pairs if not _other_axes(*pair)]
+    masks = (not_run(*_at_common_points(*map(_found, pair))[:2]) for pair in alike)
+    return sum(int(one.sum()) for one in masks if one is not None)
+
+
+def _refined(*sides: xr.Dataset) -> list[str]:
+    """What is known of points that were filled in, too; whether they are is no answer."""
+    return ["computed", *(str(one.attrs.get("refined_of")) for one in sides)]
 
 
 def has_sampled(left: Mapping[str, xr.Dataset]) -> bool:

@@ -1,4 +1,4 @@
-"""What shares of the starts that were drawn at random reach each class, and how sure that is."""
+"""What shares of many starts reach each class and, of those drawn at random, how sure that is."""
 
 from __future__ import annotations
 
@@ -21,25 +21,26 @@ if TYPE_CHECKING:
     import xarray as xr
 
 ERROR = "standard_error"
+FEWEST = 10  # starts of a table of which shares are told
 MOST_CYCLES = 8  # that are told one by one
 MOST_POINTS = 24  # at which shares are told one by one
 SURE = 0.05  # chance with which what all of a sample, or none, show is told wrongly
 Share = tuple[float, float, int]
 """A share of n starts drawn at random, its standard error, sqrt(p (1 - p) / n), and n.
 
-Of the points of a lattice there is no such error: NaN.
+Of the points of a lattice, and of a table, there is no such error: NaN.
 """
 
 
 def shares(dataset: xr.Dataset) -> dict[str, Any]:
-    """Label of random starts, or of a lattice of starts, -> class -> its `Share` over the grid.
+    """Label of random starts, of a table or a lattice, -> class -> its `Share` over the grid.
 
     That is the ``least`` and the ``greatest``.
     """
     return {
         label: {name: _ends(each) for name, each in _of_classes(reached, label in drawn).items()}
         for drawn in [_families(dataset)]
-        for label, reached in (drawn | _lattices(dataset)).items()
+        for label, reached in (drawn | _counted(dataset)).items()
     }
 
 
@@ -50,14 +51,15 @@ def as_csv(dataset: xr.Dataset) -> str:
 
     Raises
     ------
-    UsageError : there are neither random starts nor lattices of them
+    UsageError : there are neither random starts, nor a table or a lattice of many
     """
     drawn = _families(dataset)
-    every = drawn | _lattices(dataset)
+    every = drawn | _counted(dataset)
     if not every:
         raise UsageError(
-            "no random starts here, nor a lattice of starts, of which shares would be told\n"
-            "next: fiv kinds random"
+            "no starts here of which shares would be told: random ones, a table of "
+            f"{FEWEST} or more, or a lattice (axes initial.x)\n"
+            "next: fiv kinds random, fiv kinds table, fiv kinds grid"
         )
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
@@ -88,7 +90,7 @@ def at_each_point(dataset: xr.Dataset) -> dict[str, list[dict[str, Any]]]:
     Of a few points: there is a row for each.
     """
     rows, drawn = {}, _families(dataset)
-    for label, reached in (drawn | _lattices(dataset)).items():
+    for label, reached in (drawn | _counted(dataset)).items():
         points = _points(reached)
         if 1 < points.size <= MOST_POINTS:
             axes = {n: axis for n, axis in _axes(reached).items() if axis.size > 1}
@@ -142,14 +144,22 @@ def _spread(axis: xr.DataArray, points: xr.DataArray) -> list[Any]:
     return list(axis.broadcast_like(points).transpose(*points.dims).values.ravel().tolist())
 
 
-def _families(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Label of random starts -> the classes that they reach, ``initial`` last."""
+def _families(dataset: xr.Dataset, kind: str = "random") -> dict[str, xr.DataArray]:
+    """Label of starts of a kind, of which there are many -> the classes that they reach,
+    ``initial`` last."""
     if "attractor" not in dataset or "initial" not in dataset.coords:
         return {}
     families = [family_of(label) for label in dataset["initial"].values]
-    members = {label: np.flatnonzero([f == label for f in families]) for label in drawn_of(dataset)}
+    labels = _labels_of(dataset, kind)
+    members = {label: np.flatnonzero([f == label for f in families]) for label in labels}
     reached = dataset["attractor"].transpose(..., "initial")
     return {label: reached.isel(initial=own) for label, own in members.items() if own.size}
+
+
+def _counted(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """The same of starts that are no sample: each of them counts alike."""
+    tables = _families(dataset, "table").items()
+    return _lattices(dataset) | {k: own for k, own in tables if own.sizes["initial"] >= FEWEST}
 
 
 def _lattices(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
@@ -206,8 +216,12 @@ def most_missed(size: int) -> float:
 
 def drawn_of(dataset: xr.Dataset) -> list[str]:
     """Labels of the random starts of the case of a dataset; 0.1.0 did not tell them."""
+    return _labels_of(dataset, "random")
+
+
+def _labels_of(dataset: xr.Dataset, kind: str) -> list[str]:
     kinds = json.loads(dataset.attrs.get("starts_json", "{}"))
-    return [label for label, kind in kinds.items() if kind == "random"]
+    return [label for label, own in kinds.items() if own == kind]
 
 
 def family_of(label: Any) -> str:

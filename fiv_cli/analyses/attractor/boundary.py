@@ -15,6 +15,7 @@ from fiv_cli.analyses.settings import (
     Integer,
     Number,
     ParameterName,
+    Question,
     QuestionSetting,
 )
 from fiv_cli.analyses.variables import OF_MOTION, Subject, Variable, axis, classes, count, detail
@@ -24,6 +25,7 @@ def variables(subject: Subject) -> list[Variable]:
     """What is told of each change, of the scan, and of all runs."""
     varied, sides = subject.varied, "class of the steady state"
     way = "direction in which it was met; none: every run begins at the start"
+    question = subject.settings.get("of", Question())
     confirmed = "distance within which runs in shorter steps and with more time find it (where "
     confirmed += (
         'undecided = "counts", in the same time: that of what is undecided is t_max\'s own)'
@@ -31,7 +33,7 @@ def variables(subject: Subject) -> list[Variable]:
     confirmed += "; missing where a side is open or they do not find it"
     return [
         Variable(
-            "boundary", varied.unit, f"{varied.name} at which the answer changes", "crossing",
+            "boundary", varied.unit, f"{varied.name} {question.changes}", "crossing",
             headline=1, width="boundary_width",
         ),
         Variable(
