@@ -73,7 +73,7 @@ def test_a_table_names_the_parameters_with_their_values_and_the_start(style):
     found = data.stability_map(nx=2).isel(N0=slice(0, 30))
     asked = figure("curve", x="N0", variable="L_s", select={"initial": "reached"})
     rows = table(draw(found, asked, look=look_of(style)))
-    assert {row["figure"] for row in rows} == {"A sweep (Figure 7.6) start: reached"}
+    assert {row["figure"] for row in rows} == {"A sweep (Figure 7.6); start: reached"}
     assert {row["series"].partition(",")[0] for row in rows if row["y"] != "nan"} == {
         "Omega = 0.5 rad/s", "Omega = 10 rad/s",
     }  # fmt: skip

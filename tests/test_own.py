@@ -448,6 +448,25 @@ def test_damping_that_gives_energy_is_remarked(capsys):
         assert "its damping gives energy to some motions" in "".join(capsys.readouterr())
 
 
+def test_a_contact_that_may_pull_is_remarked(capsys):
+    """Friction drove, and no command said a word of it; of a contact that ends or parts it is not
+    said."""
+    pressed = MODEL.replace('"x", p("N"))', '"x", p("N") - p("k") * x)')
+    pressed = pressed.replace("constant_load=True,", "")
+    for text, told in (
+        (pressed, True),
+        (pressed.replace('- p("k") * x)', '- p("k") * x, ends_at_zero_normal_force=True)'), False),
+        (MODEL, False),
+    ):
+        Path("my.py").write_text(text)
+        for command in (["models", "my-belt"], ["check", "case.toml"]):
+            assert run([*command, "--with", "my.py"]) == 0
+            said = " ".join("".join(capsys.readouterr()).split())
+            assert (
+                "contact 1 cannot part: where its normal force falls below zero" in said
+            ) == told
+
+
 def test_several_files_in_one_word_are_told_apart(monkeypatch, capsys):
     monkeypatch.setenv("FIV_WITH", "my.py other.py")
     assert run(["models"]) == 2

@@ -236,6 +236,8 @@ def test_cycles_of_two_files_are_called_by_what_they_are_where_that_tells_them_a
               for name in ("unstable", "stable")]  # fmt: skip
     (ax,) = draw([("", data.basin(speeds=(1.0,))), *layers], figure("basin")).axes
     assert {*_lines_over(ax)} == {"unstable cycle", "stable cycle"}
+    gaps = {name: one.get_linestyle()[0][1] for name, one in _lines_over(ax).items()}
+    assert gaps["stable cycle"] is None and gaps["unstable cycle"]  # whichever file comes first
     layers[1] = ("other", layers[0][1])
     (ax,) = draw([("", data.basin(speeds=(1.0,))), *layers], figure("basin")).axes
     assert {*_lines_over(ax)} == {"unstable cycle: unstable", "unstable cycle: other"}
@@ -353,6 +355,22 @@ def test_shares_of_a_lattice_of_starts_have_no_standard_error():
     assert not [text for text in drawn.findobj(Text) if re.search("±|error", text.get_text())]
     reached = class_names(lattice["attractor"][0])
     assert f"({(reached == 'periodic').sum()} of 200)" in drawn.axes[0].get_title()
+
+
+def test_of_a_difference_what_was_filled_in_is_not_said_to_be_undecided():
+    found = data.stability_map(nx=4, ny=3)
+    filled = np.zeros(found["attractor"].shape, bool)
+    filled[1:3, 1] = True
+    found["L_s"] = found["L_s"].where(~filled)
+    codes = np.where(filled, COMPUTED.codes["filled_in"], COMPUTED.codes["run"]).astype(np.int8)
+    table = COMPUTED.names
+    words = {"flag_values": np.array([*table], np.int8), "flag_meanings": " ".join(table.values())}
+    found["computed"] = (found["L_s"].dims, codes, words)
+    found.attrs["refined_of"] = "attractor"
+    taken = {"what": "difference", "over": ["initial"]}
+    drawn = draw(found, figure("map", variable="L_s", take=taken))
+    (missing,) = [text for text in legend_texts(drawn) if text.startswith("no value")]
+    assert "filled in" in missing
 
 
 def test_shares_of_a_table_of_many_starts_are_counted():

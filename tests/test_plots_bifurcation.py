@@ -1167,7 +1167,7 @@ def test_equilibria_of_the_same_case_are_drawn_by_their_stability():
     turns = {to_hex(line.get_color()): line.get_xdata().tolist() for line in ax.lines
              if line.get_marker() == "|" and len(line.get_xdata())}  # fmt: skip
     assert {colour: [at] for colour, at in begin.items()} == turns  # ... of which each is marked
-    assert "equilibrium turns unstable" in legend_texts(ax)
+    assert "equilibrium turns stable or unstable" in legend_texts(ax)
     (ax,) = draw([("one", analyses)], figure("bifurcation")).axes
     assert "|" not in {line.get_marker() for line in ax.lines if line.get_visible()}
     short = {name: one.isel(Omega=slice(35)) for name, one in analyses.items()}
@@ -1251,12 +1251,16 @@ def test_lines_of_equilibria_meet_where_growth_rates_are_zero_without_a_critical
     (ax,) = both.axes
     told = {str(one.get_label()): one.get_xdata().tolist() for one in ax.lines
             if one.get_marker() == "|" and len(one.get_xdata())}  # fmt: skip
-    assert told["_one, read between points, equilibrium turns unstable"] == pytest.approx([2.93])
+    assert told["_one, read between points, equilibrium turns stable or unstable"] == pytest.approx(
+        [2.93]
+    )
     table = as_csv(draw(analyses, figure("bifurcation")), Path("a.csv"))
     rows = [row for row in csv.DictReader(table.splitlines()) if row["x"] == "2.93"]
     # the lines lead there, where nothing was computed: that is told by their end alone
-    assert [row["series"] for row in rows] == ["read between points, equilibrium turns unstable"]
-    assert "equilibrium turns unstable" in legend_texts(ax)
+    assert [row["series"] for row in rows] == [
+        "read between points, equilibrium turns stable or unstable"
+    ]
+    assert "equilibrium turns stable or unstable" in legend_texts(ax)
 
 
 def test_a_line_of_equilibria_does_not_lead_to_where_there_is_none():

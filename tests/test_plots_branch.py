@@ -18,6 +18,7 @@ from fiv_cli.case.load import parse_case
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import branch, default_figures, draw, figures_of, smooth
 from fiv_cli.plots.branch import _nearest
+from fiv_cli.plots.diagram_lines import _beside
 from fiv_cli.plots.drawn import DECORATION
 from fiv_cli.plots.labels import told_apart, values_along
 from fiv_cli.plots.style import BLACK, notes_on
@@ -497,6 +498,16 @@ def test_no_two_keys_of_amplitudes_look_alike_whichever_file_is_first(
         told.append([text.get_text() for text in legend.get_texts()])
         assert told[-1].count("cycle") == 2 * bool(words)  # a solid line and dashes
     assert told[0] == told[1]
+
+
+def test_of_a_branch_that_another_file_has_its_own_part_alone_is_drawn() -> None:
+    """Dashes of both filled each other's gaps, and an unstable cycle was solid; their points are
+    others."""
+    first, second = (np.linspace(*ends) for ends in ((0.0, 2.0, 41), (0.5, 3.0, 33)))
+    shown = _beside(second, second**2, [(first, first**2)])
+    np.testing.assert_array_equal(np.isfinite(shown), second > 2.0)
+    other = _beside(second, second**2 + 0.1, [(first, first**2)])
+    assert np.isfinite(other).all()
 
 
 def test_a_smooth_line_leaves_a_fold_upright() -> None:

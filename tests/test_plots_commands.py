@@ -1,5 +1,6 @@
 """`fiv plot`, and what it says."""
 
+import csv
 import json
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 import synthetic_datasets as data
 import xarray as xr
+from click.testing import CliRunner
 from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -605,6 +607,18 @@ def test_figures_that_select_another_motion_are_not_drawn_of_this_one():
     ]
     one = data.history(labels=("near",)).expand_dims(v=[9.0]).assign_attrs(data.attributes(*asked))
     assert drawing.possible_figures(one) == asked[1:2]
+
+
+def test_what_a_figure_shows_can_be_named_on_the_command_line(tmp_path):
+    """Forces of a motion: the case had to be edited, and the motion computed again."""
+    file, table = tmp_path / "m.nc", tmp_path / "m.csv"
+    data.history(labels=("far",)).to_netcdf(file)
+    wanted = ["--figure", "history", "--variable", "F_T", "--variable", "phi"]
+    assert CliRunner().invoke(plot_command, [str(file), *wanted, "-o", str(table)]).exit_code == 0
+    labels = {row["y_axis"] for row in csv.DictReader(table.read_text().splitlines())}
+    assert labels == {"F_T (N)", "phi (rad)"}
+    alone = CliRunner().invoke(plot_command, [str(file), "--variable", "F_T"])
+    assert "--variable: of which figure?" in str(alone.exception)
 
 
 def test_an_end_that_is_an_edge_of_the_bracket_has_no_error_and_is_told():

@@ -1,6 +1,7 @@
 """Curves, drawn from small datasets: lines, crossings, what is not sure, followed branches."""
 
 import csv
+import json
 from itertools import product
 from pathlib import Path
 
@@ -252,6 +253,46 @@ def test_where_a_line_leaves_a_motion_for_another_of_its_class_is_told():
         notes = [note for note in style.notes_on(drawn) if "not joined" in note]
         assert len(notes) == len(gaps)
         assert all(f"between Omega = {at[3]:.6g} and {at[4]:.6g}" in note for note in notes)
+
+
+@pytest.mark.parametrize(("count", "entries"), [(4, 4), (7, 1)])
+def test_a_few_starts_of_a_table_are_told_apart(count, entries):
+    """Dots of one colour under one name: which start reaches what, was not to be seen."""
+    classes = np.full((3, count), "periodic", object)
+    names = [f"mine-{number:03d}" for number in range(count)]
+    L_s = 1.0 + np.arange(count) + np.zeros((3, 1))
+    found = data.response(classes, L_s, data.axes(Omega=[1.0, 2.0, 3.0], initial=names))
+    found.attrs["starts_json"] = json.dumps({"mine": "table"})
+    (ax,) = draw(found, figure("curve", variable="L_s")).axes
+    told = ax.get_legend_handles_labels()[1]
+    assert told == [f"mine {number:03d}" for number in range(count)][:entries] or (
+        entries == 1 and told == ["mine"]
+    )
+    colours = {line.get_color() for line in ax.lines if len(line.get_xdata())}
+    assert len(colours) == entries
+
+
+def test_critical_values_lie_where_amplitudes_begin():
+    """A file of them was refused beside a curve."""
+    speeds = np.linspace(1.0, 5.0, 9)
+    classes = np.where(speeds < 3.2, "equilibrium", "periodic").astype(object)[:, None]
+    found = data.response(classes, np.ones((9, 1)), data.axes(Omega=speeds, initial=["near"]))
+    heights = np.sqrt(np.fmax(speeds - 3.1, 0.0))[:, None]
+    found["phi_amplitude"] = (("Omega", "initial"), heights, {"units": "rad"})
+    told = {"long_name": "critical value of Omega", "units": "rad s-1"}
+    critical = xr.Dataset(
+        {
+            "status": data.statuses((), np.array("ok")),
+            "critical_value": ("crossing", [3.1, 99.0], told),
+        },
+        attrs=data.attributes(),
+    )
+    wanted = figure("curve", variable="phi_amplitude")
+    (ax,) = draw([("a", found), ("b", critical)], wanted).axes
+    assert marks(ax, "critical value of $\\Omega$").tolist() == [[3.1, 0.0], [99.0, 0.0]]
+    critical["critical_value"].attrs["long_name"] = "critical value of N0"
+    with pytest.raises(UsageError, match="no phi_amplitude"):
+        draw([("a", found), ("b", critical)], wanted)
 
 
 def test_series_of_a_curve_without_a_name_of_their_own_have_no_comma():

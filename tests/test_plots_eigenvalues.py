@@ -161,7 +161,7 @@ def test_critical_values_of_another_file_lie_where_growth_is_zero():
     drawn = draw([("", lines), ("critical", critical)], figure("eigenvalues"))
     places = marks(drawn.axes[0], "critical value of $\\mu_k$")
     assert places.tolist() == [[0.5, 0.0], [0.6, 0.0], [0.7, 0.0]]
-    with pytest.raises(UsageError, match="no critical value of mu_k at parameters of these"):
+    with pytest.raises(UsageError, match="no critical value of mu_k at parameters of this"):
         other = critical.isel(k=[2])
         draw([("", lines), ("critical", other)], figure("eigenvalues"))
 
@@ -217,12 +217,16 @@ def test_what_a_contact_holds_in_stick_is_drawn():
     assert list(dotted[0].get_ydata()) == [-0.4, 0.4]
 
 
-def test_what_one_law_holds_in_stick_is_seen_beneath_that_of_another():
-    (ax,) = draw_laws(["coulomb", "stribeck"]).axes
-    first, second = [
-        line for line in ax.lines if line.get_linestyle() == ":" and len(line.get_xdata())
-    ]
-    assert first.get_linewidth() > second.get_linewidth()
+def test_what_several_laws_hold_in_stick_is_one_line_with_the_end_of_each():
+    """Upon one another they were a patchwork, or one hid the others."""
+    drawn = draw_laws(["coulomb", "exponential:mu_s=0.6"])
+    lines = [line for line in drawn.axes[0].lines if len(line.get_xdata())]
+    (dotted,) = [line for line in lines if line.get_linestyle() == ":"]
+    assert list(dotted.get_ydata()) == [-0.6, 0.6]
+    ends = [list(line.get_ydata()) for line in lines if line.get_marker() == "_"]
+    assert ends == [[-0.4, 0.4], [-0.6, 0.6]]
+    table = as_csv(drawn, Path("a.csv"))
+    assert sum("held in stick" in row for row in table.splitlines()) == 4
 
 
 def test_laws_are_drawn_with_the_parameters_that_are_given():

@@ -503,6 +503,27 @@ def test_of_whole_periods_a_spectrum_has_upright_lines_at_their_harmonics(period
     np.testing.assert_allclose(told[told[:, 1] > 0.1 * top, 0], [2.0, 6.0] * 2)
 
 
+def test_spectra_of_each_unit_have_a_panel():
+    """Radians and newtons shared an axis, on which the angle was a speck at the origin."""
+    found = data.history(labels=("far",))
+    drawn = draw(found, figure("spectrum", variable=["phi", "F_T", "theta"]))
+    assert [len(ax.lines) for ax in drawn.axes] == [2, 1]
+    assert drawn.axes[0].get_ylabel() == "amplitude (rad)"
+    assert drawn.axes[1].get_ylabel().startswith("amplitude of $F_T$")
+    assert drawn.axes[0].get_xlim() == drawn.axes[1].get_xlim()
+
+
+def test_a_spectrogram_of_a_motion_ends_where_nothing_is_seen_any_more():
+    found = data.history(labels=("far",))
+    drawn = draw(found, figure("spectrogram", variable="phi"))
+    mesh, (_, top) = drawn.axes[0].collections[0], drawn.axes[0].get_ylim()
+    heights = mesh.get_coordinates()[:-1, 0, 1]
+    seen = (mesh.get_array() > mesh.norm.vmin).any(axis=1)
+    assert seen.any() and not seen[heights > top].any()
+    given = draw(found, figure("spectrogram", variable="phi", ylim=[0.0, 40.0]))
+    assert given.axes[0].get_ylim() == (0.0, 40.0)
+
+
 def test_the_spectrum_of_what_jumps_between_samples_knows_where():
     """A square wave, 1 for 0.3037 of its period and 0 else: |c_n| = |sin(0.3037 n pi)| / (n pi)."""
     share, first, count = 0.3037, 0.2218, 100

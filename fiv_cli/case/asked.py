@@ -80,7 +80,8 @@ def _is_of_a_motion(figure: FigureSpec, case: Case) -> bool:
 
 
 def numbers_of_refined(case: Case) -> list[tuple[str, str]]:
-    """(figure, variable) of each map of a number that points which are filled in do not have."""
+    """(figure, variable) of each map of a number that points which are filled in do not have, or
+    with its levels."""
     refined = case.refinement
     if refined is None:
         return []
@@ -91,10 +92,17 @@ def numbers_of_refined(case: Case) -> list[tuple[str, str]]:
         for figure in case.figures
         for name, own in filled_in.items()
         for variable in own
-        if (figure.kind, variable.name) == ("map", figure.settings.get("variable"))
+        if figure.kind == "map"
+        and variable.name in {figure.settings.get("variable"), *_levelled(figure)}
         and not variable.is_class
         and figure.settings.get("analysis", name) == name
     ]
+
+
+def _levelled(figure: FigureSpec) -> list[str]:
+    """Other variables of which a map has lines."""
+    level = figure.settings.get("level")
+    return [*level] if isinstance(level, Mapping) else []
 
 
 def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, report: Report) -> None:

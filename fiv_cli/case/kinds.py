@@ -55,7 +55,8 @@ INSTEAD = {"contact": "select = { contact = NUMBER }"}
 
 FIGURES = {
     "map": (
-        "a variable over two axes: classes in colours, numbers in shades or as lines",
+        'a variable over two axes, or one and the starts (y = "initial"): classes in colours, '
+        "numbers in shades or as lines",
         ("x", "y", "variable", "take", "level", "overlay", "border", "zlim", "zlabel"),
     ),
     "basin": (
@@ -73,8 +74,9 @@ FIGURES = {
         ("x", "variable"),
     ),
     "curve": (
-        "variables along an axis, of all analyses of the case that have it, a line for each start; "
-        "of a dataset without the axis, across",
+        "variables along an axis, of all analyses of the case that have it, a line for each start "
+        "(of up to six of a table; more look alike); of a dataset without the axis, across; on "
+        "amplitudes the values of the file of a `critical`",
         ("x", "y", "variable", "take"),
     ),
     "branch": ("branches of cycles and their ends, along their parameter", ()),
@@ -83,14 +85,18 @@ FIGURES = {
         "case where growth is zero: fiv plot MODES.nc CRITICAL.nc --figure eigenvalues",
         ("x", "unit"),
     ),
-    "history": ("states and forces in time", ("variable", "contact", "window")),
+    "history": (
+        "displacements in time, or the states, forces and others that variable names",
+        ("variable", "contact", "window"),
+    ),
     "phase": (
         "one state, or force, against another",
         ("x", "y", "variable", "contact", "window", "overlay"),
     ),
     "spectrum": (
-        "amplitudes over frequency, upright lines of several side by side, a line's width apart; "
-        "along an axis of more than three numbers, or x, shades, frequency upright",
+        "amplitudes over frequency, of each unit a panel, upright lines of several side by side, a "
+        "line's width apart; along an axis of more than three numbers, or x, shades, frequency "
+        "upright",
         ("x", "variable", "window", "unit"),
     ),
     "spectrogram": ("amplitudes over time and frequency", ("variable", "unit", "resolution")),

@@ -122,8 +122,10 @@ def _check_figure_axes(table: FigureTable, answers: Answers, place: Path, report
             message = f"a line where {axis!r} has a value needs this axis, which the case has not"
             at = (*place, "level", name)
             note_no_axis(axis, message, at, [*answers.axis_names()], answers.physics, report)
-    if table.kind == "map" and len(answers.axes) < 2:
-        report.add(place, "a map needs a grid of two axes")
+    spread = len(answers.axes) + ("initial" in (table.x, table.y))
+    if table.kind == "map" and spread < 2:
+        over_starts = ' (or of several starts, with y = "initial")' * _has_many(answers)
+        report.add(place, f"a map needs a grid of two axes{over_starts}")
     if table.kind == "map" and table.overlay and table.level is None:
         message = "maps are overlaid as lines, and no level says which"
         report.add((*place, "overlay"), message, "level = NUMBER or [NUMBER, ...]")
@@ -139,10 +141,16 @@ def _known_of_axes(kind: str, answers: Answers) -> dict[str, list[str]]:
     """For each of x and y that names an axis in a figure of this kind: what it may be."""
     axes = [axis.name for axis in answers.axes]
     if kind == "map":
+        axes += ["initial"] * _has_many(answers)
         return {"x": axes, "y": axes}
     if kind in ("curve", "bifurcation", "eigenvalues", "spectrum"):
         return {"x": axes}
     return {}
+
+
+def _has_many(answers: Answers) -> bool:
+    """Whether there are several starts."""
+    return len(answers.starts) > 1 or any(start.kind in SEVERAL for start in answers.starts)
 
 
 def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:

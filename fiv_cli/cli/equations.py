@@ -31,7 +31,7 @@ def equation_lines(model: Model) -> list[str]:
         lines += _impact_lines(printer, contact, by_force, suffix)
     return [
         *lines,
-        *(_joint_lines(model) if model.contacts > 1 else ()),
+        *_assumed_lines(model),
         f"  kinetic energy = {printer(equations.kinetic_energy)}",
         f"  potential energy = {printer(equations.potential_energy)}",
     ]
@@ -110,10 +110,13 @@ def _impact_lines(
     yield f"  impact{suffix}: adds {', '.join(jumps)}; so that gap{suffix}' {after} after it"
 
 
-def _joint_lines(model: Model) -> Iterator[str]:
+def _assumed_lines(model: Model) -> Iterator[str]:
     from fiv_cli.codegen.joint import assumed
+    from fiv_cli.own.mechanics import pulling
 
-    for sentence in assumed(model, model.default_options(), [model.default_law]):
+    options, laws = model.default_options(), [model.default_law]
+    joint = assumed(model, options, laws) if model.contacts > 1 else []
+    for sentence in [*joint, *(pulling(model, options) if model.origin is not None else ())]:
         yield from wrap(sentence, 98, initial_indent="  ", subsequent_indent="  ")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from string import ascii_letters
 from typing import TYPE_CHECKING, Any
@@ -70,6 +71,14 @@ class Millimetres(click.ParamType):
     help="Draw this figure of the case only, or this kind of figure (repeatable).",
 )
 @click.option(
+    "--variable",
+    "variables",
+    multiple=True,
+    metavar="NAME",
+    help="What that figure shows, in place of what its case says (repeatable); with --figure. "
+    "fiv variables lists what there is, of a motion F_T, F_N, ... too.",
+)
+@click.option(
     "--label",
     "labels",
     multiple=True,
@@ -109,6 +118,7 @@ def command(
     files: tuple[Path, ...],
     outputs: tuple[Path, ...],
     names: tuple[str, ...],
+    variables: tuple[str, ...],
     labels: tuple[str, ...],
     laws: tuple[str, ...],
     speed: float | None,
@@ -134,6 +144,7 @@ def command(
     Examples:
       fiv new pin-on-disc > a.toml && fiv run a.toml && fiv plot runs/a.nc
       fiv plot runs/a.nc --figure bifurcation -o a.pdf --style paper --width 84
+      fiv history a.toml --at Omega=2 -o m.nc && fiv plot m.nc --figure history --variable F_T
       fiv run a.toml --set model.parameters.N0=20 -o lighter.nc
       fiv plot runs/a.nc lighter.nc --figure bifurcation -o both.svg -o both.csv
       fiv plot --law coulomb --law stribeck:mu_s=0.5,v_s=0.05 --speed 0.3
@@ -147,6 +158,8 @@ def command(
         )
     if len(labels) == 1:
         raise UsageError("--label: it tells several files in one figure apart\nnext: leave it out")
+    if variables and len(names) != 1:
+        raise UsageError("--variable: of which figure?\nnext: --figure KIND --variable NAME")
     if loop is not None and not laws:
         raise UsageError("--loop: of which law?\nnext: --law NAME --loop amplitude=A,omega=W")
     if titled and any(file.name.lower() in SAID_OF_A_FLAG and not file.exists() for file in files):
@@ -159,7 +172,7 @@ def command(
     if loop is not None:
         figures = _of_loops(laws, loop, look)
     else:
-        wanted = (files, names, labels or [""] * len(files), look, undrawn)
+        wanted = (files, names, variables, labels or [""] * len(files), look, undrawn)
         figures = _of_laws(laws, look, speed) if laws else _of_files(*wanted)
     for path, figure in _with_paths(figures, outputs):
         try:
@@ -232,6 +245,7 @@ def _number(text: str) -> float | int | str:
 def _of_files(
     files: Sequence[Path],
     names: Sequence[str],
+    variables: Sequence[str],
     called: Sequence[str],
     look: Look,
     undrawn: list[UsageError],
@@ -252,7 +266,8 @@ def _of_files(
     from fiv_cli.reading.datasets import read_analyses
 
     drawn, left_out = [], []
-    for default, sources, figure in _asked(files, names, called):
+    for default, sources, asked in _asked(files, names, called):
+        figure = _showing(asked, variables)
         try:
             drawn.append((default, _drawn(sources, figure, look)))
             for name in _unsaid(drawn[-1][1], _names_in(sources, figure)):
@@ -276,6 +291,12 @@ def _of_files(
         if one not in undrawn:
             click.echo(one, err=True)
     return drawn
+
+
+def _showing(figure: FigureSpec, variables: Sequence[str]) -> FigureSpec:
+    """A figure of the variables that are named, if any are."""
+    wanted = {"variable": [*variables]} if variables else {}
+    return replace(figure, settings={**figure.settings, **wanted})
 
 
 def _names_in(sources: Sources, figure: FigureSpec) -> list[str]:

@@ -11,7 +11,8 @@ from sympy import Expr
 
 from fiv_cli.codegen.setup import default_parameters
 from fiv_cli.friction import get_law
-from fiv_cli.models.base import Model
+from fiv_cli.models.base import Model, Options
+from fiv_cli.models.symbols import Symbols
 from fiv_cli.own.fault import Fault, shown
 from fiv_cli.own.written import Written, number_of, under_options, values_of
 
@@ -149,6 +150,22 @@ def fed_by_damping(model: Model) -> str:
     if not kept or not all(_is_fed(written, kept) for written in under_options(model)):
         return ""
     return f"{model.name}: its damping gives energy to some motions; is a sign wrong?"
+
+
+def pulling(model: Model, options: Options) -> list[str]:
+    """Which contacts hold together what would part: their normal force may be negative."""
+    symbols = Symbols()
+    equations = model.mechanics(symbols, options)
+    states = [of(name) for name in equations.accelerations
+              for of in (symbols.coordinate, symbols.velocity)]  # fmt: skip
+    return [
+        f"contact {number} cannot part: where its normal force falls below zero it pulls, and "
+        "friction drives; in its Contact ends_at_zero_normal_force = True ends a motion there, "
+        "gap = ... lets it lift off"
+        for number, one in enumerate(equations.contacts, 1)
+        if one.gap is None and not one.ends_at_zero_normal_force
+        and one.normal_force is not None and one.normal_force.has(*states)
+    ]  # fmt: skip
 
 
 def _is_fed(written: Written, kept: Collection[str]) -> bool:

@@ -54,7 +54,8 @@ def equations(symbols, options):
             Contact(
                 slip_velocity=p("v") - x_dot,  # of the drive, less that of the body
                 slip_coordinate="x",  # the state whose velocity sticking determines
-                normal_force=p("N"),  # may depend on states
+                normal_force=p("N"),  # may depend on states; where it may fall to zero, say
+                # ends_at_zero_normal_force=True (a motion ends there) or gap=... (it lifts off)
             ),
             # A stop at x = d, behind it: stop(gap=p("d") - x, coordinate="x", restitution=p("e")),
             # imported as Contact is; its force, symbols.normal_force(1), is taken from that on the

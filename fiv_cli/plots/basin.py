@@ -255,7 +255,10 @@ def _lay_over(
     words = [motion.what_it_is(_in_time(layer)) for layer in layers]
     alike = [len(words) > 1 and (word == "motion" or words.count(word) > 1) for word in words]
     every = chain(*map(_motions_in_time, layers, alike))
-    for one, dash in zip(every, cycle(style.DASHES), strict=False):
+    solid, *broken = style.DASHES
+    dashes = {False: cycle([solid, *broken[1:]]), True: cycle([broken[0], *broken[2:]])}
+    for one in every:
+        dash = next(dashes[motion.what_it_is(one.data).startswith("unstable")])
         for name in names:
             motion.known_variable(one.data, name)
         path = phase.path_of(one, names, settings)

@@ -23,11 +23,10 @@ from fiv_cli.plots.cloud_marks import mark_clouds
 from fiv_cli.plots.clouds import DEFAULT, clouds_of, observed_state, shared_apart
 from fiv_cli.plots.diagram_lines import (
     Equilibria,
-    changes_along,
-    critical_values,
     draw_cycles,
     draw_equilibria,
     equilibria_of,
+    is_critical_along,
     mark_turns,
     sections_of,
 )
@@ -45,7 +44,8 @@ UNMET = (
     'section = {{ zero = "{}_dot" }} in the cases of cycles and diagram, has them'
 )
 UNJUDGED = (
-    "equilibria are not drawn, since nothing tells which are stable: add an analysis `eigenvalues`"
+    "equilibria, and where they turn, are not drawn, since nothing tells which are stable: add an "
+    "analysis `eigenvalues` to the case of the diagram"
 )
 BEYOND = 0.05  # of its length: what is seen beyond an axis
 SECTION_WORDS = {
@@ -97,6 +97,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     notes = [*_of_other_sections(others_at, axis, observed), *points.of_many_lines(sorts)]
     is_unjudged = any("equilibrium" in one for one in others) and not any(
         {"stable", "growth_rate"} <= {*one} for one in others
+    )
+    is_unjudged |= any(is_critical_along(one, axis) for one in others) and not any(
+        bool(lines.every.notnull().any()) for lines in equilibria
     )
     style.add_notes(figure, [*notes, *[UNMET.format(observed)] * unmet, *[UNJUDGED] * is_unjudged])
     if not clouds[0].label:
@@ -160,7 +163,7 @@ def _draw_all_equilibria(
     What is read between points the dashes alone tell, and a table; where some are one line, marks.
     """
     drawn = [
-        draw_equilibria(ax, layer, lines, changes_along(layer, others, axis, observed), axis)
+        draw_equilibria(ax, layer, lines, others, axis, observed)
         for layer, lines in zip(shown, equilibria, strict=True)
     ]
     turns = [turn for turns, _ in drawn for turn in turns]
@@ -305,7 +308,7 @@ def _has_part(dataset: xr.Dataset, axis: xr.DataArray, observed: str) -> bool:
     """Whether there are cycles or eigenvalues along an axis of diagrams."""
     told = "cycle_period" in dataset or {"stable", "growth_rate"} <= {*dataset}
     is_along = axis.name in dataset.coords and told
-    is_along |= bool(critical_values(dataset, axis).size)
+    is_along |= is_critical_along(dataset, axis)
     return is_along or branch.is_along(dataset, str(axis.name), observed)
 
 

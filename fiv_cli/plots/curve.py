@@ -32,9 +32,10 @@ from fiv_cli.plots.curve_lines import (
     sorts_of,
     told_by_bars,
 )
-from fiv_cli.plots.curve_panel import draw_panel, has_marks, is_of_classes
+from fiv_cli.plots.curve_panel import UNSEEN, draw_panel, has_marks, is_of_classes
+from fiv_cli.plots.diagram_lines import is_critical_along, mark_critical
 from fiv_cli.reading import select
-from fiv_cli.reading.datasets import flag_names, headlines
+from fiv_cli.reading.datasets import error_of, flag_names, headlines, numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 
 AMPLITUDE = "_amplitude"  # how the names of such variables end
 MOST_TOLD = 2  # lines of motions that are not joined, of which it is told
+TOLD = 1e-9  # share of what a panel shows: errors that are less are those of any number
 OF_UNDECIDED = "x"  # their mark
 LONG_LABEL = 36  # letters of an entry of a legend
 TO_SEE_DASHES = 4  # times the room between marks without it
@@ -97,6 +99,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
     No line leads through these, nor from a point of one class to a neighbour of another.
     """
+    layers, critical = _without_critical(layers, settings)
     shown = _shown(layers, settings)
     drawn = each_once([*_lines(shown)])
     points.refuse_empty(layers[0].dataset, any(one.is_known for _, one in drawn), shown.first)
@@ -105,10 +108,32 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     dashed = _told_by_dashes(drawn, shown.bare)
     drawn = _marked_apart(drawn, dashed)
     _draw_panels(axes, shown, drawn, dashed)
+    for ax, own in zip(axes, shown.panels, strict=True):
+        if any(name.endswith(AMPLITUDE) for name in own):
+            for other in critical:
+                mark_critical(ax, other, layers[0].dataset, shown.axis)
     gaps = ("undecided", *points.ENDED) if [*shown.parts] == ["attractor"] else ()
     points.dress(axes, _with_gaps(shown.along), shown.of_panels, gaps)
     style.add_notes(figure, [*_told(shown, [curve for _, curve in drawn], dashed)])
     return figure
+
+
+def _without_critical(
+    layers: Sequence[points.Layer], settings: points.Settings
+) -> tuple[list[points.Layer], list[points.Layer]]:
+    """The layers of a figure of amplitudes, and those whose critical values lie where these begin;
+    there are none where they are what is shown."""
+    asked = variables_of(layers, settings)
+    if not any(name.endswith(AMPLITUDE) for name in asked):
+        return [*layers], []
+    axis = points.abscissa(layers[0].dataset, settings)
+    own, found = [*layers[:1]], list[points.Layer]()
+    for one in layers[1:]:
+        shows = any(name in one.dataset for name in asked)
+        (found if is_critical_along(one.dataset, axis) and not shows else own).append(one)
+    if len(own) == 1 < len(layers) and not own[0].dataset.attrs.get("called"):
+        own = [replace(own[0], label="")]  # it stands alone
+    return own, found
 
 
 def _shown(layers: Sequence[points.Layer], settings: points.Settings) -> _Shown:
@@ -156,6 +181,7 @@ def _draw_panels(
 def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     """What to do about what is not drawn, or not joined."""
     yield from _of_edges(shown.parts)
+    yield from _of_crossings(shown.parts, shown.axis)
     yield from _of_branches_not_drawn(shown.parts, shown.axis)
     known = [one for one in every if one.is_known]
     words = {dim: {one.words.get(dim) for one in known} for one in known for dim in one.words}
@@ -420,6 +446,27 @@ def _crowd(lines: Sequence[tuple[Curve, points.Entry]]) -> int:
     dashes = {dash for _, dash in looks}
     tell_more = len(looks) > len({colour for colour, _ in looks}) or len(dashes) > 2
     return int(crowd) * (TO_SEE_DASHES if tell_more else 1)
+
+
+def _of_crossings(parts: Mapping[str, _Parts], axis: xr.DataArray) -> Iterator[str]:
+    """Where what may be met several times, or never, is not; and how far the rest may be off."""
+    for name, own in parts.items():
+        for layer in own.values():
+            array = numbers(layer.dataset[name])
+            dims = [dim for dim in array.dims if dim != "crossing"]
+            if len(dims) == array.ndim or not select.has_axis(layer.dataset, axis.name):
+                continue
+            met = array.notnull().any("crossing")
+            if lacking := int((~met).sum()):
+                yield (
+                    f"{name}: none at {lacking} of {met.size} places, where there is no line; "
+                    "fiv show of its file says why"
+                )
+            error = numbers(layer.dataset.get(error_of(name), array * np.nan)).max().item()
+            unit = f" {array.attrs.get('units', '1')}".removesuffix(" 1")
+            extent = float(array.max() - array.min())
+            if TOLD * extent < error <= UNSEEN * extent:
+                yield f"{name}: off by at most {error:.2g}{unit}, less than is seen of error bars"
 
 
 def _of_edges(parts: Mapping[str, _Parts]) -> list[str]:

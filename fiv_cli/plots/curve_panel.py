@@ -98,8 +98,7 @@ def _of_one_colour(lines: Sequence[tuple[Curve, points.Entry]]) -> Iterator[str]
         for (one, entry), (other, beneath) in combinations(lines, 2)
         if entry.colour == beneath.colour and entry.dash != beneath.dash
         and one.label and other.label and not (one.sort or other.sort)
-        and np.array_equal(one.x, other.x) and one.agrees_with(other).all()
-        and np.isfinite(one.y).sum() > 1
+        and np.array_equal(one.x, other.x) and _is_upon(one, other)
     ]  # fmt: skip
     if pairs:
         one, other = pairs[0]
@@ -108,6 +107,14 @@ def _of_one_colour(lines: Sequence[tuple[Curve, points.Entry]]) -> Iterator[str]
             f"{in_one_line(one.label)} and {in_one_line(other.label)}: one line in one colour, for "
             f"they have the same values{more}; select in the figure draws one of them alone"
         )
+
+
+def _is_upon(one: Curve, other: Curve) -> bool:
+    """Whether wherever both lines have values these are the same, and all that one of them has."""
+    known = [own.known & ~own.open for own in (one, other)]
+    met = known[0] & known[1]
+    alone = [bool((own & ~met).any()) for own in known]
+    return bool(met.sum() > 1 and not all(alone) and one.agrees_with(other)[met].all())
 
 
 def _name_sorts(ax: Axes, curves: Sequence[Curve]) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
+from fiv_cli.errors import UsageError
 from fiv_cli.flags import CYCLE_END, NOT_COMPUTED, SECTION
 from fiv_cli.plots import branch, labels, points, smooth, style
 from fiv_cli.plots.clouds import ALIKE, DEFAULT, SAME, observed_state
@@ -30,8 +31,13 @@ CHANGE: dict[str, Any] = {"mec": "white", "mew": 0.4, "ms": 4.0, "ls": "none"}
 CYCLE: dict[str, Any] = {"lw": 1.2, "zorder": 1.5}
 LONE: dict[str, Any] = {"marker": "o", "ms": 2.5}  # a cycle that no line leads to
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
-TURNS_HERE = "equilibrium turns unstable"
+TURNS_HERE = "equilibrium turns stable or unstable"
 BETWEEN = "read between points"
+CRITICAL: dict[str, Any] = {
+    "color": style.BLACK, "ls": "none", "marker": "D", "ms": 4.0, "mfc": "white", "mew": 0.9,
+    "zorder": 5,
+}  # fmt: skip
+UPON = 2e-3  # of the extent of a branch: how near it another is the same, whose points are others
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 
 
@@ -48,14 +54,44 @@ def critical_values(dataset: xr.Dataset, axis: xr.DataArray) -> np.ndarray:
     return np.sort(found.values) if is_along else np.zeros(0)
 
 
-def changes_along(
-    layer: points.Layer, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
+def is_critical_along(dataset: xr.Dataset, axis: xr.DataArray) -> bool:
+    """Whether it holds critical values of an axis."""
+    words = str(dataset.get("critical_value", axis).attrs.get("long_name", ""))
+    return "critical_value" in dataset and words.endswith(f" of {axis.name}")
+
+
+def mark_critical(ax: Axes, other: points.Layer, dataset: xr.Dataset, axis: xr.DataArray) -> None:
+    """Where, at the parameters of each line, another dataset found that modes turn: at zero.
+
+    Raises
+    ------
+    UsageError : it found nothing at these parameters
+    """
+    found = np.zeros(0)
+    along = [str(axis.dims[0]), "initial"]
+    for line in points.lines(dataset, along, points.grid_dims(dataset)):
+        for one in (other.dataset, *other.beside):
+            part = of_the_same(one, dataset.isel(line.index))
+            found = np.append(found, [] if part is None else critical_values(part, axis))
+    if not found.size:
+        raise UsageError(
+            f"{other.label}: no critical value of {axis.name} at parameters of this figure\n"
+            f'next: an analysis `critical` with parameter = "{axis.name}", in a case of these '
+            "parameters, finds it; or draw each file by itself"
+        )
+    found = np.unique(found)
+    words = f"critical value of {labels.quantity(axis, str(axis.name))}"
+    ax.plot(found, 0.0 * found, label=words, **CRITICAL)
+
+
+def _changes_along(
+    line: xr.Dataset, others: Sequence[xr.Dataset], axis: xr.DataArray, observed: str
 ) -> np.ndarray:
-    """Where along an axis the equilibria of a diagram change, as another analysis found it.
+    """Where along an axis the equilibria of a line of a diagram change, as another analysis found.
 
     That is a critical value or, where there is none, at which a cycle shrinks to one of them.
     """
-    same = (of_the_same(one, layer.dataset) for one in (*layer.beside, *others))
+    same = (of_the_same(one, line) for one in others)
     parts = [part for part in same if part is not None]
     found = [critical_values(part, axis) for part in parts]
     found += [
@@ -76,7 +112,7 @@ def draw_cycles(
     Of a cycle that is not known there the least and the greatest, and only if it is not stable: the
     marks of a stable one lie elsewhere. Tells whether one that is stable is not drawn so.
     """
-    unmet = False
+    unmet, drawn = False, dict[tuple[str, str], list[tuple[np.ndarray, np.ndarray]]]()
     observed = observed_state(layer.dataset[name])
     extremes = f" cycle: extremes of ${labels.symbol_of_name(observed)}$"
     colours = points.colours([ax])
@@ -88,12 +124,37 @@ def draw_cycles(
                 continue
             told = f"{word}{' cycle' if passes else extremes}"
             place, colour = _whose(layer, own, axis, colours)
+            alike = drawn.setdefault((told, place), [])
+            before = [*alike]  # of other files, or parts of this
             for height in heights:
-                _draw_cycle(ax, x, height, word, (place, told), colour)
+                shown = _beside(x, height, before)
+                alike.append((x, height))
+                if np.isfinite(shown).any():
+                    _draw_cycle(ax, x, shown, word, (place, told), colour)
         tells = "cycle_end_kind" in dataset and branch.is_along(dataset, str(axis.name), observed)
         if at_section and tells:
             _mark_changes(ax, dataset, axis, layer, colours)
     return unmet
+
+
+def _beside(
+    x: np.ndarray, height: np.ndarray, drawn: Sequence[tuple[np.ndarray, np.ndarray]]
+) -> np.ndarray:
+    """The heights of a line that is not drawn yet, NaN where one that is leads through its points:
+    the dashes of both would fill each other's gaps."""
+    for its_x, its_height in drawn:
+        known = np.isfinite(its_height)
+        if not known.any() or points.alone(known).all():
+            continue
+        size = [np.ptp(of[known]) or 1.0 for of in (its_x, its_height)]
+        place, line = (np.column_stack(of) / size for of in ((x, height), (its_x, its_height)))
+        begin, step = line[:-1], np.diff(line, axis=0)
+        off = place[:, None] - begin
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.clip((off * step).sum(-1) / (step**2).sum(-1), 0.0, 1.0)
+        apart = np.linalg.norm(off - share[..., None] * step, axis=-1)
+        height = np.where(np.nanmin(apart, axis=1, initial=np.inf) < UPON, np.nan, height)
+    return height
 
 
 def _draw_cycle(
@@ -265,11 +326,12 @@ def draw_equilibria(
     ax: Axes,
     layer: points.Layer,
     equilibria: Equilibria,
-    changes: np.ndarray,
+    others: Sequence[xr.Dataset],
     axis: xr.DataArray,
+    observed: str,
 ) -> tuple[list[Line2D], bool]:
-    """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to `changes`
-    or, where none is known, where growth rates are zero.
+    """Equilibria of a diagram, by what the eigenvalues of its case tell of them, up to where they
+    change, as its case or `others` know or, where none does, where growth rates are zero.
 
     Those of several diagrams, or at several values of other axes, have the colours of these.
     Returned are marks where they turn unstable, not drawn yet, and whether some are one line.
@@ -279,6 +341,13 @@ def draw_equilibria(
     axis = select.axis_of(of_case, str(axis.name))
     dim, x = str(axis.dims[0]), points.positions(axis)
     lines = points.lines(of_case, [dim, "initial"], [str(d) for d in every.dims])
+    changes_of = [
+        _changes_along(
+            layer.dataset.isel(line.index, missing_dims="ignore"), (*layer.beside, *others), axis,
+            observed,
+        )
+        for line in lines
+    ]  # fmt: skip
     colours = points.colours([ax]) if len(lines) > 1 or layer.label else {}
     known_words = {str(line.get_label()) for line in ax.lines}
     for word, height in equilibria.called.items():
@@ -287,7 +356,7 @@ def draw_equilibria(
         parts = [[of.isel(line.index).values for of in of_word] for line in lines]
         drawn = [
             (points.joined(layer.label, line.label), *up_to_turns(changes, x, every, own, growth))
-            for line, (every, own, growth) in zip(lines, parts, strict=True)
+            for line, (every, own, growth), changes in zip(lines, parts, changes_of, strict=True)
             if np.isfinite(own).any()
         ]
         called = f"{word} equilibrium"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -45,6 +46,9 @@ if TYPE_CHECKING:
     Source = xr.Dataset | str | Path | dict[str, xr.Dataset]
     Sources = Source | Sequence[tuple[str, Source]]
     _File = tuple[str, dict[str, xr.Dataset]]  # its label, its analyses by name
+
+
+OF_LINES, MOST_NAMED = ("curve", "bifurcation"), 6  # starts of one table that are told apart
 
 
 @dataclass(frozen=True)
@@ -303,9 +307,25 @@ def _layers(files: Sequence[_File], figure: FigureSpec, kind: Kind) -> list[Laye
     ]
     if "title" in figure.settings or len({title_of(one.dataset.attrs) for one in asked}) > 1:
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
+    if figure.kind in OF_LINES and "take" not in figure.settings:
+        layers = [replace(one, dataset=_few_named(one.dataset)) for one in layers]
     if len(layers) > 1:  # each of them is called by what it differs in
         layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
     return layers
+
+
+def _few_named(dataset: xr.Dataset) -> xr.Dataset:
+    """With a few starts of one table told apart: ``mine 003``; many are lines that look alike."""
+    if "initial" not in dataset.dims:
+        return dataset
+    names = [str(name) for name in dataset["initial"].values]
+    count = Counter(map(points.stem, names))
+    few = {one for one in shares.labels_of(dataset, "table") if 1 < count[one] <= MOST_NAMED}
+    called = [
+        f"{points.stem(name)} {name.rpartition('-')[2]}" if points.stem(name) in few else name
+        for name in names
+    ]
+    return dataset.assign_coords(initial=("initial", called, dataset["initial"].attrs))
 
 
 def _with_taken(layer: Layer, held: dict[str, xr.Dataset], figure: FigureSpec) -> Layer:

@@ -10,9 +10,8 @@ import numpy as np
 
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
-from fiv_cli.plots.diagram_lines import critical_values
+from fiv_cli.plots.diagram_lines import mark_critical
 from fiv_cli.plots.drawn import DECORATION, in_one_line, leave_out
-from fiv_cli.plots.same_parameters import of_the_same
 from fiv_cli.reading import select
 
 if TYPE_CHECKING:
@@ -38,10 +37,6 @@ DOTS: dict[str, Any] = {
 
 # Of all that a panel shows: a distance of two lines that is not seen; at which share of points.
 UNSEEN, MOSTLY = 5e-3, 0.9
-CRITICAL: dict[str, Any] = {
-    "color": style.BLACK, "ls": "none", "marker": "D", "ms": 4.0, "mfc": "white", "mew": 0.9,
-    "zorder": 5,
-}  # fmt: skip
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -76,28 +71,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         0.0, color=style.GREY, lw=0.8, zorder=1.8, label=DECORATION
     )  # under growth of 0
     for other in others:
-        _mark_critical(axes[0], other, dataset, axis)
+        mark_critical(axes[0], other, dataset, axis)
     points.dress_axis(axes[1], axis, "x")
     points.mark_gaps(axes, [first], own[-1])
     points.legend(axes)
     return figure
-
-
-def _mark_critical(ax: Axes, other: points.Layer, dataset: xr.Dataset, axis: xr.DataArray) -> None:
-    """Where, at the parameters of each line, another dataset found that modes turn."""
-    found = np.zeros(0)
-    for line in points.lines(dataset, [str(axis.dims[0])], points.grid_dims(dataset)):
-        for one in (other.dataset, *other.beside):
-            part = of_the_same(one, dataset.isel(line.index))
-            found = np.append(found, [] if part is None else critical_values(part, axis))
-    if not found.size:
-        raise UsageError(
-            f"{other.label}: no critical value of {axis.name} at parameters of these eigenvalues\n"
-            f'next: an analysis `critical` with parameter = "{axis.name}", in a case of these '
-            "parameters, finds it; or draw each file by itself"
-        )
-    words = f"critical value of {labels.quantity(axis, str(axis.name))}"
-    ax.plot(found, 0.0 * found, label=words, **CRITICAL)
 
 
 def _angular(frequency: xr.DataArray) -> xr.DataArray:

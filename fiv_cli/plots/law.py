@@ -13,6 +13,7 @@ from fiv_cli.friction.base import Law, Slip
 from fiv_cli.notation.names import pick
 from fiv_cli.own.load import following
 from fiv_cli.plots import fitting, labels, legends, style
+from fiv_cli.plots.drawn import DECORATION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 FASTEST = 2.0  # m/s
 SAMPLES = 801
 STICK = ":"
-BENEATH = 1.0  # share by which a line is wider for each that may lie upon it
+TICK = 9.0  # size of the mark of what a law holds, pt
 
 Given = tuple[Law, Mapping[str, float]]
 
@@ -70,15 +71,19 @@ def _draw(laws: Sequence[Given], fastest: float) -> Figure:
     for number, given in enumerate(laws):
         colour = style.line_colours(len(laws))[number]
         look = {"color": colour, "ls": style.dash(number, len(laws))}
-        _curve(ax, given, fastest, look, 1.0 + BENEATH * (len(laws) - 1 - number))
+        _curve(ax, given, fastest, look, alone=len(laws) == 1)
+    if len(laws) > 1:  # upon one another they would not be told apart
+        held = max((_held(*given) for given in laws), default=0.0)
+        ax.plot([0.0, 0.0], [-held, held], STICK, color=style.BLACK, lw=1.2, label=DECORATION)
     forces = [not _scales_with_load(law) for law, _ in laws]
     ratio = "$F_T/F_N$"
     if any(forces) and not all(forces):
         raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
     ax.set_ylabel("$F_T$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
-    told = "held in stick" + ", each in its colour" * (len(laws) > 1)
-    ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label=told)
+    marks: dict[str, Any] = {"marker": "_", "ms": TICK, "mew": 1.2} if len(laws) > 1 else {}
+    told = f"held in stick{', to the mark of each' * bool(marks)}"
+    ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label=told, **marks)
     legends.colour_keys([ax])
     legends.legend_below(figure, legends.told_in([ax])[0])
     return figure
@@ -115,18 +120,21 @@ def _scales_with_load(law: Law) -> bool:
     return bool(sympy.sympify(expression).has(load))
 
 
-def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any], widened: float) -> None:
-    """Both branches, and between them what the contact can hold in stick, `widened` where that of
-    others lies upon it."""
+def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any], alone: bool) -> None:
+    """Both branches, and between them what the contact can hold in stick: of several, its ends."""
     law, parameters = given
     speed = np.linspace(fastest / SAMPLES, fastest, SAMPLES) - fastest / SAMPLES * (1 - 1e-9)
     name = f"{law.name} ({_values(*given)})"
     for velocity, label in ((-speed[::-1], name), (speed, f"_{name}")):
         ax.plot(velocity, force(law, velocity, parameters), label=label, **look)
-    if law.capacity is not None:
-        held = float(law.capacity(1.0, parameters))
-        stick = look | {"ls": STICK, "lw": 1.2 * widened, "label": f"_{name}, held in stick"}
-        ax.plot([0.0, 0.0], [-held, held], **stick)
+    if held := _held(*given):
+        line = {"ls": STICK, "lw": 1.2} if alone else {"ls": "none", "marker": "_", "ms": TICK}
+        ax.plot([0.0, 0.0], [-held, held], **look | line, label=f"_{name}, held in stick")
+
+
+def _held(law: Law, parameters: Mapping[str, float]) -> float:
+    """The force that a contact can hold in stick; 0 of a law that does not stick."""
+    return 0.0 if law.capacity is None else float(law.capacity(1.0, parameters))
 
 
 def _values(law: Law, given: Mapping[str, float]) -> str:

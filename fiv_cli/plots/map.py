@@ -294,6 +294,11 @@ class _Lines:
         unsure = points.gaps(self.planes.dataset).get(UNDECIDED, array.isnull() & False)
         undecided = [self.planes.of(unsure, panel) for panel in self.planes.panels]
         yield from level_notes.broken(array, ends, self.levels, undecided)
+        if filled := _filled_without(self.planes):
+            yield (
+                f"{array.name}: lines end at the {filled} points that were filled in, of which the "
+                "class alone is known; fiv check of the case says how to run all"
+            )
 
     def keys(self, colour: ColorType) -> list[Line2D]:
         """Entries of a legend."""
@@ -455,6 +460,14 @@ def _overlaid(
     style.add_notes(figure, [*own[0].inexact])
     points.scale(ax, settings)
     return figure
+
+
+def _filled_without(planes: _Planes) -> int:
+    """How many points that were filled in have no number."""
+    if "computed" not in planes.dataset:
+        return 0
+    filled = is_class(planes.dataset["computed"], ("filled_in",))
+    return int((filled & _with_rests(planes, numbers(planes.array)).isnull()).sum())
 
 
 def how_run(dataset: xr.Dataset) -> str:

@@ -376,7 +376,10 @@ def title(dataset: xr.Dataset, *others: xr.Dataset) -> str:
 
 def _has_no_other(dataset: xr.Dataset, axis: xr.DataArray) -> bool:
     """Whether a dataset has no other values of an axis than the one of `axis`."""
-    own = dataset[axis.name].values if axis.name in dataset.coords else axis.values
+    of_a_start = str(axis.name).startswith("initial_")  # which another motion has none of
+    if axis.name not in dataset.coords:
+        return not of_a_start
+    own = dataset[axis.name].values
     return bool(np.all(own == axis.values[0]))
 
 

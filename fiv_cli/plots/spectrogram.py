@@ -51,6 +51,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     figure, axes, columns = style.grid_of_panels(
         len(panels), map_.MOST_COLUMNS, points.title(dataset), sharex=True, sharey=True
     )
+    highest = 0.0
     norm = spectrum.norm_of(np.concatenate([panel.amplitude.ravel() for panel in panels]))
     for number, (ax, panel) in enumerate(zip(axes, panels, strict=False)):
         spectrum.paint(ax, panel.time, panel.frequency, panel.amplitude.T, norm, settings)
@@ -58,6 +59,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
         ax.set_ylabel(spectrum.frequency_label(settings) if number % columns == 0 else "")
         points.scale(ax, settings)
+        if "ylim" not in settings and VARIABLE not in dataset:
+            seen = panel.frequency[(panel.amplitude > (norm.vmin or 0.0)).any(axis=0)]
+            highest = max(highest, spectrum.factor_of(settings) * seen.max(initial=0.0))
+    if highest > 0.0 and axes[0].get_yscale() == "linear":
+        axes[0].set_ylim(0.0, spectrum.MARGIN * highest)  # of all panels
     figure.colorbar(axes[0].collections[0], ax=axes, label=what, extend="min")
     return figure
 

@@ -39,7 +39,7 @@ UNIFORM = 1e-6
 FEWEST_SAMPLES = 16
 CLOSED = 1e-6  # share of its extent within which a motion that ends where it began has closed
 MARGIN = 1.05  # of the highest frequency that is shown
-LOG_DECADES, LINEAR_DECADES = 6.0, 2.0  # of amplitude on an axis of them, and on a plain one
+LOG_DECADES, LINEAR_DECADES = 6.0, 1.7  # of amplitude on an axis of them, and on a plain one
 NO_JUMPS = np.zeros(0), np.zeros(0)
 UPRIGHT = 0.8  # pt
 ASIDE, MOST_ASIDE = 1.5, 8.0  # widths from one line of a frequency to the next, and of all
@@ -276,26 +276,50 @@ def frequency_label(settings: points.Settings) -> str:
 
 # --- a motion in time -----------------------------------------------------------------------------
 def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
-    """A line for each variable of each motion; the mean is taken off before.
+    """A panel for each unit, with a line for each of its variables of each motion; the mean is
+    taken off before.
 
     Of a motion over whole periods, upright lines at their harmonics.
     """
-    figure, (ax,) = style.new_panels(1, 1, points.title(dataset))
-    names = motion.variables(dataset, settings)
-    shown = [(one, name) for one in motion.motions(dataset, settings) for name in names]
-    spectra = [_spectrum_of(one, name, settings) for one, name in shown]
-    _frame(ax, spectra, settings)  # before they are drawn: the foot of an upright is no value
+    units: dict[str, list[str]] = {}
+    for name in motion.variables(dataset, settings):
+        units.setdefault(str(dataset[name].attrs.get("units", "1")), []).append(name)
+    every = motion.motions(dataset, settings)
+    shown = [[(one, name) for one in every for name in names] for names in units.values()]
+    spectra = [[_spectrum_of(*pair, settings) for pair in own] for own in shown]
+    figure, axes = style.new_panels(len(units), 1, points.title(dataset), sharex=True)
+    own_settings = [points.of_panel(settings, n, own) for n, own in enumerate(units.values())]
+    decades = LOG_DECADES if points.is_logarithmic(settings, "y") else LINEAR_DECADES
+    highest = max(_highest(own, decades) for own in spectra)
+    for ax, own, of_panel in zip(axes, spectra, own_settings, strict=True):
+        _frame(ax, own, of_panel, highest)
+    for ax, pairs, own, names in zip(axes, shown, spectra, units.values(), strict=True):
+        _draw_spectra(ax, dataset, pairs, own, names, settings)
+    axes[-1].set_xlabel(frequency_label(settings))
+    points.legend(axes)
+    style.add_notes(figure, [note for ax, own in zip(axes, spectra, strict=True)
+                             for note in _moved(ax, own)])  # fmt: skip
+    return figure
+
+
+def _draw_spectra(
+    ax: Axes,
+    dataset: xr.Dataset,
+    shown: Sequence[tuple[motion.Motion, str]],
+    spectra: Sequence[tuple[np.ndarray, np.ndarray]],
+    names: Sequence[str],
+    settings: points.Settings,
+) -> None:
+    """The lines of one panel, and what its ordinate is called."""
     for number, ((one, name), (x, height)) in enumerate(zip(shown, spectra, strict=True)):
         label = points.joined(one.label, motion.label_of(dataset[name], settings))
+        label = label if len(shown) > 1 else points.unlisted(label)  # at its ordinate
         colour = style.line_colours(len(shown))[number]
         _plot_among(ax, x, height, number, len(shown), color=colour, label=label)
-    ax.set_xlabel(frequency_label(settings))
-    ax.set_ylabel(
-        "amplitude" + (f" of {motion.label_of(dataset[names[0]], settings)}" * (len(names) == 1))
-    )
-    points.legend([ax])
-    style.add_notes(figure, [*_moved(ax, spectra)])
-    return figure
+    unit = labels.unit_text(str(dataset[names[0]].attrs.get("units", "1")))
+    several = f" ({unit})" if unit else ""
+    alone = f" of {motion.label_of(dataset[names[0]], settings)}"
+    ax.set_ylabel(f"amplitude{alone if len(names) == 1 else several}")
 
 
 def _spectrum_of(
@@ -319,19 +343,33 @@ def _is_closed(one: motion.Motion) -> bool:
 
 
 def _frame(
-    ax: Axes, spectra: Sequence[tuple[np.ndarray, np.ndarray]], settings: points.Settings
+    ax: Axes,
+    spectra: Sequence[tuple[np.ndarray, np.ndarray]],
+    settings: points.Settings,
+    highest: float,
 ) -> None:
-    """As the figure asks; else as far as there are amplitudes, a logarithmic axis down to these."""
-    decades = LOG_DECADES if points.is_logarithmic(settings, "y") else LINEAR_DECADES
-    known = [(x[height > 0.0], height[height > 0.0]) for x, height in spectra]
-    top = max((height.max(initial=0.0) for _, height in known), default=0.0)
-    foot = top * 10.0**-decades
-    highest = max((x[height > foot].max(initial=0.0) for x, height in known), default=0.0)
+    """As the figure asks; else to the highest frequency, a logarithmic axis down to what is seen.
+
+    It comes before what is drawn: the foot of an upright is no value.
+    """
     if not points.is_logarithmic(settings, "x") and highest > 0.0:
         ax.set_xlim(0.0, MARGIN * highest)
     points.scale(ax, settings)
-    if decades == LOG_DECADES and "ylim" not in settings and top > 0.0:
-        ax.set_ylim(foot, 10.0 * top)
+    top = max((height.max(initial=0.0) for _, height in _seen(spectra)), default=0.0)
+    if points.is_logarithmic(settings, "y") and "ylim" not in settings and top > 0.0:
+        ax.set_ylim(top * 10.0**-LOG_DECADES, 10.0 * top)
+
+
+def _highest(spectra: Sequence[tuple[np.ndarray, np.ndarray]], decades: float) -> float:
+    """The highest frequency at which an amplitude is seen beside the largest."""
+    known = _seen(spectra)
+    foot = max((height.max(initial=0.0) for _, height in known), default=0.0) * 10.0**-decades
+    return float(max((x[height > foot].max(initial=0.0) for x, height in known), default=0.0))
+
+
+def _seen(spectra: Sequence[tuple[np.ndarray, np.ndarray]]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """What is above zero."""
+    return [(x[height > 0.0], height[height > 0.0]) for x, height in spectra]
 
 
 def amplitude_spectrum(

@@ -150,7 +150,7 @@ def _families(dataset: xr.Dataset, kind: str = "random") -> dict[str, xr.DataArr
     if "attractor" not in dataset or "initial" not in dataset.coords:
         return {}
     families = [family_of(label) for label in dataset["initial"].values]
-    labels = _labels_of(dataset, kind)
+    labels = labels_of(dataset, kind)
     members = {label: np.flatnonzero([f == label for f in families]) for label in labels}
     reached = dataset["attractor"].transpose(..., "initial")
     return {label: reached.isel(initial=own) for label, own in members.items() if own.size}
@@ -216,10 +216,11 @@ def most_missed(size: int) -> float:
 
 def drawn_of(dataset: xr.Dataset) -> list[str]:
     """Labels of the random starts of the case of a dataset; 0.1.0 did not tell them."""
-    return _labels_of(dataset, "random")
+    return labels_of(dataset, "random")
 
 
-def _labels_of(dataset: xr.Dataset, kind: str) -> list[str]:
+def labels_of(dataset: xr.Dataset, kind: str) -> list[str]:
+    """Labels of the starts of a kind."""
     kinds = json.loads(dataset.attrs.get("starts_json", "{}"))
     return [label for label, own in kinds.items() if own == kind]
 

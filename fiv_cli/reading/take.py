@@ -166,7 +166,7 @@ def told_by_class(
     found: xr.Dataset, part: xr.Dataset, variable: str, take: Mapping[str, Any]
 ) -> xr.Dataset:
     """What is taken of numbers, whose status is a class of decided points without one where these
-    leave nothing; of several such classes the last of all that there are."""
+    leave nothing, or that they were filled in; of several such classes the last that there are."""
     has_classes = "attractor" in part and {*part[variable].dims} <= {*part["status"].dims}
     if take.get("of") or not has_classes:
         return found
@@ -180,6 +180,12 @@ def told_by_class(
         if here.any():
             names[max(names) + 1] = name
             status = status.where(~here, max(names))
+    if "computed" in part:
+        filled = is_class(part["computed"], ("filled_in",)) & numbers(part[variable]).isnull()
+        open_ = is_class(part["attractor"], ("undecided",)).any(dims)
+        here = is_class(found["status"], ("undecided",)) & filled.any(dims) & ~open_
+        names[max(names) + 1] = "filled_in"
+        status = status.where(~here, max(names))
     kept = {"flag_values": np.array([*names], np.int8), "flag_meanings": " ".join(names.values())}
     return found.assign(status=status.assign_attrs(found["status"].attrs | kept))
 

@@ -25,7 +25,7 @@ def variables(subject: Subject) -> list[Variable]:
     """What is told of each change, of the scan, and of all runs."""
     varied, sides = subject.varied, "class of the steady state"
     way = "direction in which it was met; none: every run begins at the start"
-    question = subject.settings.get("of", Question())
+    question = subject.settings.get("of") or Question()
     confirmed = "distance within which runs in shorter steps and with more time find it (where "
     confirmed += (
         'undecided = "counts", in the same time: that of what is undecided is t_max\'s own)'

@@ -46,7 +46,7 @@ def variables(subject: Subject) -> list[Variable]:
             "frequency, and in both by less than 1 %; with more damping they pass at a distance",
         ),
         Variable("growth_rate", "rad s-1", "largest real part", headline=1),
-        Variable("growth_frequency", "Hz", "frequency of the mode (the lowest) that has it"),
+        Variable("growth_frequency", "Hz", "frequency of the mode that grows most"),
         classes(
             "stable",
             "whether the equilibrium is stable",
