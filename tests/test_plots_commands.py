@@ -616,7 +616,7 @@ def test_what_a_figure_shows_can_be_named_on_the_command_line(tmp_path):
     wanted = ["--figure", "history", "--variable", "F_T", "--variable", "phi"]
     assert CliRunner().invoke(plot_command, [str(file), *wanted, "-o", str(table)]).exit_code == 0
     labels = {row["y_axis"] for row in csv.DictReader(table.read_text().splitlines())}
-    assert labels == {"F_T (N)", "phi (rad)"}
+    assert labels == {"F_T (N)", "varphi (rad)"}
     alone = CliRunner().invoke(plot_command, [str(file), "--variable", "F_T"])
     assert "--variable: of which figure?" in str(alone.exception)
 

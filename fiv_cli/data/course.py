@@ -96,7 +96,7 @@ class Course:
         points = self.total - self.later - self.done
         waited = now - self._judged(now)
         left = points / rate - waited
-        return left if left > waited or self.done >= self.total else None
+        return max(left, 0.0) if left > waited or self.done >= self.total else None
 
     def _own(self, now: float) -> float:
         """Seconds since the analysis began."""

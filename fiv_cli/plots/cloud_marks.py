@@ -71,7 +71,8 @@ def mark_clouds(
         _mark_some(ax, pairs, sorts, resting, settings, squares)
     for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
-    if crowd and (sorts > 1 or crowd < count):
+    decided = any((one.crowded & ~one.undecided).any() for one in clouds)
+    if decided and (sorts > 1 or crowd < count):
         ax.plot([], [], ls="none", color=style.BLACK, label=MANY, **style.mark_of(0, 1, FINEST))
     if apart.size and squares:
         ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)

@@ -5,6 +5,7 @@ Variables of one unit share a panel.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, combinations, product
@@ -44,6 +45,8 @@ if TYPE_CHECKING:
 
 AMPLITUDE = "_amplitude"  # how the names of such variables end
 MOST_TOLD = 2  # lines of motions that are not joined, of which it is told
+OF_TABLE = re.compile(r"(?:^| )\d{3,}$")  # how the starts of a table are called
+MARKED_WIDER = 1.3  # than marks that are seen through others are dots
 TOLD = 1e-9  # share of what a panel shows: errors that are less are those of any number
 OF_UNDECIDED = "x"  # their mark
 LONG_LABEL = 36  # letters of an entry of a legend
@@ -106,7 +109,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     title = points.title(*(layer.dataset for layer in layers))
     figure, axes = style.new_panels(len(shown.panels), 1, title, sharex=True)
     dashed = _told_by_dashes(drawn, shown.bare)
-    drawn = _marked_apart(drawn, dashed)
+    drawn = _seen_through(_marked_apart(drawn, dashed))
     _draw_panels(axes, shown, drawn, dashed)
     for ax, own in zip(axes, shown.panels, strict=True):
         if any(name.endswith(AMPLITUDE) for name in own):
@@ -358,6 +361,17 @@ def _marked_apart(drawn: Sequence[tuple[int, Curve]], dashed: str) -> list[tuple
     marks = dict(zip(filter(None, words), (DOT, *keys), strict=False))
     own = ((place, one, marks.get(one.words.get(dashed, ""), DOT)) for place, one in drawn)
     return [(place, replace(one, mark=mark, short=TOO_SHORT)) for place, one, mark in own]
+
+
+def _seen_through(drawn: Sequence[tuple[int, Curve]]) -> list[tuple[int, Curve]]:
+    """The lines, those of starts of a table with marks through which others are seen: here they
+    lead to one motion, and there to another."""
+    starts = [*dict.fromkeys(one.words.get("initial", "") for _, one in drawn)]
+    if len(starts) < 2 or not all(map(OF_TABLE.search, starts)):
+        return [*drawn]
+    size = DOT["ms"] / MARKED_WIDER
+    marks = {name: style.mark_of(n, len(starts), size) for n, name in enumerate(starts)}
+    return [(place, replace(one, mark=marks[one.words["initial"]])) for place, one in drawn]
 
 
 def _coincide(drawn: Sequence[tuple[int, Curve]]) -> bool:

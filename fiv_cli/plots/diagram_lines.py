@@ -13,10 +13,11 @@ from matplotlib.lines import Line2D
 
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import CYCLE_END, NOT_COMPUTED, SECTION
+from fiv_cli.notation.names import listed
 from fiv_cli.plots import branch, labels, points, smooth, style
 from fiv_cli.plots.clouds import ALIKE, DEFAULT, SAME, observed_state
 from fiv_cli.plots.drawn import DECORATION, leave_out
-from fiv_cli.plots.same_parameters import of_the_same
+from fiv_cli.plots.same_parameters import differing, of_the_same
 from fiv_cli.plots.turns import up_to_turns
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import class_names, is_class, numbers
@@ -67,21 +68,30 @@ def mark_critical(ax: Axes, other: points.Layer, dataset: xr.Dataset, axis: xr.D
     ------
     UsageError : it found nothing at these parameters
     """
-    found = np.zeros(0)
+    found: dict[str, np.ndarray] = {}
     along = [str(axis.dims[0]), "initial"]
     for line in points.lines(dataset, along, points.grid_dims(dataset)):
         for one in (other.dataset, *other.beside):
             part = of_the_same(one, dataset.isel(line.index))
-            found = np.append(found, [] if part is None else critical_values(part, axis))
-    if not found.size:
+            met = np.zeros(0) if part is None else critical_values(part, axis)
+            found[line.label] = np.union1d(found.get(line.label, np.zeros(0)), met)
+    if not any(at.size for at in found.values()):
+        differs = listed(differing(other.dataset, dataset))
         raise UsageError(
-            f"{other.label}: no critical value of {axis.name} at parameters of this figure\n"
+            f"{other.label}: no critical value of {axis.name} at parameters of this figure"
+            f"{f' ({differs} differ)' * bool(differs)}\n"
             f'next: an analysis `critical` with parameter = "{axis.name}", in a case of these '
             "parameters, finds it; or draw each file by itself"
         )
-    found = np.unique(found)
     words = f"critical value of {labels.quantity(axis, str(axis.name))}"
-    ax.plot(found, 0.0 * found, label=words, **CRITICAL)
+    colours = points.colours([ax]) if len(found) > 1 else {}
+    for label, at in found.items():
+        own = (colour for name, colour in colours.items() if label in name)
+        look = {**CRITICAL, "color": next(own, style.BLACK)}
+        told = points.unlisted(label, words) if colours else words
+        ax.plot(at, 0.0 * at, label=told, **look)
+    if colours:
+        ax.plot([], [], label=words, **CRITICAL)
 
 
 def _changes_along(
@@ -380,7 +390,7 @@ def mark_turns(ax: Axes, turns: Sequence[Line2D], shared: bool, births: np.ndarr
     have a mark for, is seen only where some are a `shared` line, which tells of none."""
     pairs = [(one, np.array(one.get_data(), float)) for one in turns]
     seen = [
-        shared or not (BETWEEN in str(one.get_label()) or np.isin(places[0], births).all())
+        shared or not (BETWEEN in str(one.get_label()) or _are_among(places[0], births))
         for one, places in pairs
     ]
     for (one, places), is_seen in zip(pairs, seen, strict=True):
@@ -389,6 +399,12 @@ def mark_turns(ax: Axes, turns: Sequence[Line2D], shared: bool, births: np.ndarr
             ax.plot(*places, **look)
     if any(is_seen and places.size for (_, places), is_seen in zip(pairs, seen, strict=True)):
         ax.plot([], [], color=style.BLACK, label=TURNS_HERE, **TURN)
+
+
+def _are_among(places: np.ndarray, births: np.ndarray) -> bool:
+    """Whether each of some places is one of others, to what a figure shows."""
+    apart = np.abs(np.subtract.outer(places, births)).min(axis=1, initial=np.inf)
+    return bool((apart <= UPON * np.abs(places)).all())
 
 
 def _blacken_shared(ax: Axes, line: Line2D) -> bool:

@@ -109,7 +109,7 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             leave_out(drawn_line, np.column_stack([places, met]))
             drawn |= {name_of_mode: colour}
             of_modes.setdefault(name_of_mode, []).append((line.label, y))
-            _mark(ax, *whole, np.insert(growth, after, values.real) > 0.0, look)
+            _mark(ax, *whole, np.insert(growth, after, values.real), look)
     style.add_notes(ax.figure.figure, [*_upon_one_another(dataset[name], of_modes)])
     for place in np.unique(np.linspace(0, len(drawn) - 1, MOST_NAMED).astype(int)):
         ax.plot([], [], "-", color=[*drawn.values()][place], label=[*drawn][place])
@@ -177,14 +177,27 @@ def _frequencies(values: np.ndarray, frequency: xr.DataArray) -> np.ndarray:
     return np.abs(values.imag) / (2.0 * np.pi if frequency.attrs["units"] == "Hz" else 1.0)
 
 
+def _up_to_turns(
+    x: np.ndarray, y: np.ndarray, growth: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A line with the places where its growth, straight between two points, is zero, and where of
+    all of them it is unstable: there, too."""
+    at = np.flatnonzero(growth[1:] * growth[:-1] < 0.0)
+    share = growth[at] / (growth[at] - growth[at + 1])
+    places, heights = (of[at] + share * (of[at + 1] - of[at]) for of in (x, y))
+    whole = [np.insert(of, at + 1, own) for of, own in ((x, places), (y, heights))]
+    return whole[0], whole[1], np.insert(growth > 0.0, at + 1, True)
+
+
 def _mark(
-    ax: Axes, x: np.ndarray, y: np.ndarray, unstable: np.ndarray, look: Mapping[str, Any]
+    ax: Axes, x: np.ndarray, y: np.ndarray, growth: np.ndarray, look: Mapping[str, Any]
 ) -> None:
     """Some of the unstable points of a line as dots, or all as a band."""
     if look is DOTS:
-        marked = np.flatnonzero(unstable)[:: max(1, x.size // MARKED)]
+        marked = np.flatnonzero(growth > 0.0)[:: max(1, x.size // MARKED)]
         ax.plot(x[marked], y[marked], label=DECORATION, **look)
     else:
+        x, y, unstable = _up_to_turns(x, y, growth)
         shown = np.where(unstable, y, np.nan)
         alone = np.flatnonzero(points.alone(np.isfinite(shown)))
         ax.plot(x, shown, markevery=alone.tolist(), label=DECORATION, **look)
@@ -207,7 +220,8 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
             ax.axvline(place, color=style.GREY, ls=dash, lw=1.0, zorder=1, label=label)
     merging = [whose for whose, places in told if len(places)]
     if merging:
-        ls, whose = ":" if alike else "-", f": {merging[0]}" * (len(merging) == 1 and not alike)
+        ls, some = ":" if alike else "-", not alike and len(merging) < len(lines)
+        whose = f": {points.BOTH.join(merging)}" if some else ""
         ax.plot([], [], color=style.GREY, ls=ls, lw=1.0, label=f"modes merge{whose}")
 
 

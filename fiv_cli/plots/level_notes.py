@@ -12,6 +12,7 @@ from scipy.ndimage import binary_dilation, label
 
 from fiv_cli.notation.names import listed
 from fiv_cli.plots import labels
+from fiv_cli.reading.datasets import is_count
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -360,4 +361,6 @@ def _passed(cells: np.ndarray, level: float) -> np.ndarray:
 def words(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:
     unit = labels.unit_text(str(array.attrs.get("units", "1")))
     own, value = labels.quantity(array, str(array.name)), labels.number_text(level, levels)
+    if is_count(str(array.name)) and level != round(level):
+        return f"{own}: {np.floor(level):g} to {np.ceil(level):g}"
     return f"{own} = {value} {unit}".rstrip()

@@ -90,7 +90,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for ax in axes[: len(planes.panels)]:
         points.scale(ax, settings)
     inexact = [word for one in lines for word in one.inexact]
-    told = *missed, *_held_otherwise(layers[0], planes, settings), *unwritten, *inexact
+    otherwise = *_held_otherwise(layers[0], planes, settings), *_told_twice(planes, settings)
+    told = *missed, *otherwise, *unwritten, *inexact
     style.add_notes(figure, told)
     return figure
 
@@ -339,7 +340,8 @@ def _lines(
             levels.refuse_class(over.array)
             border = bool(settings.get("border", True))
             # numbers alone do not tell of which variable
-            numbered = is_own or of_numbers == [name]
+            between = is_count(str(over.array.name)) and any(one != round(one) for one in own)
+            numbered = (is_own or of_numbers == [name]) and not between
             dashes = _dashes(own, styles[is_own])
             found.append(_Lines(over, own, dashes, is_own, numbered, border))
     return found
@@ -352,6 +354,18 @@ def _held_otherwise(
     for name in levels.asked(str(planes.array.name), settings.get("level", [])):
         if ":" in name:
             yield from levels.held_otherwise(name, _holding(layer, name), planes.dataset)
+
+
+def _told_twice(planes: _Planes, settings: points.Settings) -> Iterator[str]:
+    """That a growth rate is zero where a critical value is: of two lines one hides the other."""
+    wanted = levels.asked(str(planes.array.name), settings.get("level", []))
+    plain = {name.rpartition(":")[2]: own for name, own in wanted.items()}
+    growing = plain.get("growth_rate", [])
+    if "critical_value" in plain and not isinstance(growing, str) and 0.0 in growing:
+        yield (
+            "growth_rate = 0 and critical_value are one line, the latter as its case found it and "
+            "the former read from the grid: leave growth_rate out"
+        )
 
 
 def _dashes(wanted: Sequence[float], styles: Iterator[Any]) -> list[Any]:

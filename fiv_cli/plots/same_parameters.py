@@ -28,6 +28,21 @@ def of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
         return None
 
 
+def differing(dataset: xr.Dataset, diagram: xr.Dataset) -> list[str]:
+    """In which parameters, laws and options a dataset is of no part of a diagram."""
+    known, chosen = _axes_and_numbers(dataset), _choices(dataset)
+    fixed = _numbers_held(diagram, known) | _choices(diagram)
+    return [
+        name
+        for name, value in fixed.items()
+        if (name in chosen or name in known)
+        and not any(
+            _agree(one, value)
+            for one in np.ravel(chosen[name] if name in chosen else known[name].values).tolist()
+        )
+    ]
+
+
 def _axes_and_numbers(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
     return {str(name): coord for name, coord in dataset.coords.items() if coord.ndim < 2}
 

@@ -306,7 +306,8 @@ def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> 
         words = f"{axis.attrs.get('long_name', axis.name)} {words}"
     over = "over that of the reference" if take.get("relative_to") else ""
     of_what = f"{'of ' * (take['what'] in ('spread', 'difference', 'classes'))}{words}"
-    named = " ".join(filter(None, (take["what"], of_what, over)))
+    what = "number of classes" if take["what"] == "classes" else take["what"]
+    named = " ".join(filter(None, (what, of_what, over)))
     if take["what"] != "difference":
         return named
     first, last = (f"{end:.6g}" if select.is_numeric(axis) else end for end in axis.values[[0, -1]])
