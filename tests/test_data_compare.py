@@ -77,6 +77,9 @@ def test_what_a_refined_map_filled_in_is_compared_by_its_class_alone() -> None:
     assert differences(dataset(), left=refined()) == []
     assert differences(refined()) == differences(refined(), left=refined()) == []
     assert count_filled({"": refined()}, {"": dataset()}) == 1
+    named = dataset().assign_attrs(analyses_json='{"r": {}}')
+    alone = refined().assign_attrs(analyses_json='{"r": {}}')
+    assert count_filled({"": alone}, {"r": named}) == 1
     other = refined()
     other["attractor"].values[0, 1] = CHAOTIC
     (found,) = differences(other)

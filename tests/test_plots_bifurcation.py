@@ -1263,6 +1263,26 @@ def test_lines_of_equilibria_meet_where_growth_rates_are_zero_without_a_critical
     assert "equilibrium turns stable or unstable" in legend_texts(ax)
 
 
+def test_of_several_lines_each_turns_where_its_own_critical_value_says():
+    """A file with several values of another axis told none of them, or took one for all."""
+    one = with_eigenvalues()
+    found = [[2.91], [2.97], [2.99]]
+    told = {"long_name": "critical value of Omega"}
+    critical = xr.Dataset(
+        {
+            "status": data.statuses(("N0",), np.full(3, "ok")),
+            "critical_value": (("N0", "crossing"), found, told),
+        },
+        data.axes(N0=[1.0, 2.0, 3.0]),
+        attrs=data.attributes(),
+    )
+    for place, met in zip((1.0, 2.0), (2.91, 2.97), strict=True):
+        here = {name: part.assign_coords(N0=place) for name, part in one.items()}
+        (ax,) = draw([("", here), ("critical", critical)], figure("bifurcation")).axes
+        lines = [line for line in ax.lines if line.get_marker() == "|" and line.get_visible()]
+        assert [at for line in lines for at in line.get_xdata()] == [met]
+
+
 def test_a_line_of_equilibria_does_not_lead_to_where_there_is_none():
     """Where it ended, or eigenvalues failed, the line stops at the neighbour."""
     response, eigenvalues = with_eigenvalues().values()

@@ -505,9 +505,13 @@ def test_of_a_branch_that_another_file_has_its_own_part_alone_is_drawn() -> None
     others."""
     first, second = (np.linspace(*ends) for ends in ((0.0, 2.0, 41), (0.5, 3.0, 33)))
     shown = _beside(second, second**2, [(first, first**2)])
-    np.testing.assert_array_equal(np.isfinite(shown), second > 2.0)
+    np.testing.assert_array_equal(np.isfinite(shown), second >= second[second <= 2.0].max())
     other = _beside(second, second**2 + 0.1, [(first, first**2)])
     assert np.isfinite(other).all()
+    x = np.linspace(0.0, 1.0, 11)
+    for heights in (1.0 - x, x[0] - x):  # crosses it, or begins on it
+        assert np.isfinite(_beside(x, heights, [(x, x)])).all()
+    assert np.isfinite(_beside(x, 0.0 * x + 1.5e-3, [(x, 0.0 * x + 1.0e-3)])).all()  # both level
 
 
 def test_a_smooth_line_leaves_a_fold_upright() -> None:

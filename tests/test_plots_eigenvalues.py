@@ -13,6 +13,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.friction import get_law
 from fiv_cli.plots import draw, draw_laws, look_of, style
 from fiv_cli.plots.drawn import as_csv
+from fiv_cli.plots.eigenvalues import _up_to_turns, _upon_one_another
 from fiv_cli.plots.law import force
 
 
@@ -128,6 +129,15 @@ def test_that_a_line_of_a_mode_hides_another_is_told(off, told):
     notes = style.notes_on(drawn)
     hidden = "mode_frequency: mode 1 is one line at c_1 = 1 and c_1 = 2, nearly everywhere, and 1"
     assert any(note.startswith(hidden) for note in notes) == told
+
+
+def test_a_band_of_what_is_unstable_begins_where_growth_is_zero():
+    x = np.arange(4.0)
+    for growth, begins in (([-1.0, 1.0, 2.0, 3.0], 0.5), ([-1.0, 0.0, 1.0, 2.0], 1.0)):
+        places, heights, unstable = _up_to_turns(x, 2.0 * x, np.array(growth))
+        assert places[unstable].min() == begins and heights[unstable].min() == 2.0 * begins
+    apart = {"mode 1": [("a", np.array([1.0, np.nan])), ("b", np.array([np.nan, 2.0]))]}
+    assert [*_upon_one_another(xr.DataArray([1.0, 2.0], name="mode_frequency"), apart)] == []
 
 
 def test_lines_of_modes_lead_through_the_point_where_they_merge():

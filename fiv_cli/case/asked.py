@@ -93,7 +93,7 @@ def numbers_of_refined(case: Case) -> list[tuple[str, str]]:
         for name, own in filled_in.items()
         for variable in own
         if figure.kind == "map"
-        and variable.name in {figure.settings.get("variable"), *_levelled(figure)}
+        and variable.name in [figure.settings.get("variable"), *_levelled(figure)]
         and not variable.is_class
         and figure.settings.get("analysis", name) == name
     ]
@@ -102,7 +102,7 @@ def numbers_of_refined(case: Case) -> list[tuple[str, str]]:
 def _levelled(figure: FigureSpec) -> list[str]:
     """Other variables of which a map has lines."""
     level = figure.settings.get("level")
-    return [*level] if isinstance(level, Mapping) else []
+    return [name.rpartition(":")[2] for name in level] if isinstance(level, Mapping) else []
 
 
 def _check_figure(figure: FigureSpec, case: Case, held: Held, place: Path, report: Report) -> None:

@@ -111,12 +111,9 @@ def _impact_lines(
 
 
 def _assumed_lines(model: Model) -> Iterator[str]:
-    from fiv_cli.codegen.joint import assumed
-    from fiv_cli.own.mechanics import pulling
+    from fiv_cli.case.assumed import assumed_of
 
-    options, laws = model.default_options(), [model.default_law]
-    joint = assumed(model, options, laws) if model.contacts > 1 else []
-    for sentence in [*joint, *(pulling(model, options) if model.origin is not None else ())]:
+    for sentence in assumed_of(model, model.default_options(), [model.default_law]):
         yield from wrap(sentence, 98, initial_indent="  ", subsequent_indent="  ")
 
 

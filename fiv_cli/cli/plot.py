@@ -158,7 +158,7 @@ def command(
         )
     if len(labels) == 1:
         raise UsageError("--label: it tells several files in one figure apart\nnext: leave it out")
-    if variables and len(names) != 1:
+    if variables and (laws or len(names) != 1):
         raise UsageError("--variable: of which figure?\nnext: --figure KIND --variable NAME")
     if loop is not None and not laws:
         raise UsageError("--loop: of which law?\nnext: --law NAME --loop amplitude=A,omega=W")

@@ -163,8 +163,9 @@ def pulling(model: Model, options: Options) -> list[str]:
         "friction drives; in its Contact ends_at_zero_normal_force = True ends a motion there, "
         "gap = ... lets it lift off"
         for number, one in enumerate(equations.contacts, 1)
-        if one.gap is None and not one.ends_at_zero_normal_force
-        and one.normal_force is not None and one.normal_force.has(*states)
+        if one.gap is None and one.normal_force is not None and not one.ends_at_zero_normal_force
+        and sympy.sympify(one.normal_force).has(*states)
+        and not sympy.sympify(one.normal_force).has(sympy.Max, sympy.Abs)
     ]  # fmt: skip
 
 

@@ -167,8 +167,7 @@ def _draw_all_equilibria(
         for layer, lines in zip(shown, equilibria, strict=True)
     ]
     turns = [turn for turns, _ in drawn for turn in turns]
-    births = branch.births_along(others, str(axis.name), observed)
-    mark_turns(ax, turns, any(shares for _, shares in drawn), births)
+    mark_turns(ax, turns, any(shares for _, shares in drawn))
 
 
 def _name_marks(ax: Axes, marks: Sequence[Line2D], diagram: xr.Dataset) -> None:

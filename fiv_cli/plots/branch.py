@@ -169,15 +169,19 @@ def _lies_on(own: np.ndarray, other: np.ndarray, share: float = 0.5) -> bool:
     """Whether so many cycles of a branch, or more, lie on the line through those of another."""
     if not len(own) or len(other) < 2:
         return False
-    both = np.vstack([own, other])
+    few = own[:: 1 + len(own) // MOST_COMPARED]
+    return bool((off_line(few, other, np.vstack([own, other])) < UPON).mean() >= share)
+
+
+def off_line(own: np.ndarray, other: np.ndarray, both: np.ndarray) -> np.ndarray:
+    """How far points lie off the line through others, in extents of `both`."""
     rounding = np.maximum(style.ROUNDING * np.abs(both).max(axis=0), np.finfo(float).tiny)
     extent = np.maximum(np.ptp(both, axis=0), rounding)
-    own, other = own[:: 1 + len(own) // MOST_COMPARED] / extent, other / extent
+    own, other = own / extent, other / extent
     away, steps = own[:, None] - other[:-1], np.diff(other, axis=0)
     lengths = np.maximum((steps**2).sum(axis=-1), np.finfo(float).tiny)
     along = np.clip((away * steps).sum(axis=-1) / lengths, 0.0, 1.0)
-    off = np.linalg.norm(away - along[..., None] * steps, axis=-1).min(axis=1)
-    return bool((off < UPON).mean() >= share)
+    return np.asarray(np.linalg.norm(away - along[..., None] * steps, axis=-1).min(axis=1))
 
 
 def draw_marks(

@@ -109,12 +109,12 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     title = points.title(*(layer.dataset for layer in layers))
     figure, axes = style.new_panels(len(shown.panels), 1, title, sharex=True)
     dashed = _told_by_dashes(drawn, shown.bare)
-    drawn = _seen_through(_marked_apart(drawn, dashed))
+    drawn = _marked_apart(drawn, dashed) if dashed else _seen_through(drawn)
     _draw_panels(axes, shown, drawn, dashed)
-    for ax, own in zip(axes, shown.panels, strict=True):
-        if any(name.endswith(AMPLITUDE) for name in own):
-            for other in critical:
-                mark_critical(ax, other, layers[0].dataset, shown.axis)
+    of_amplitudes = [ax for ax, own in zip(axes, shown.panels, strict=True)
+                     if any(name.endswith(AMPLITUDE) for name in own)]  # fmt: skip
+    for ax, other in product(of_amplitudes, critical):
+        mark_critical(ax, other, [one.dataset for one in layers], shown.axis)
     gaps = ("undecided", *points.ENDED) if [*shown.parts] == ["attractor"] else ()
     points.dress(axes, _with_gaps(shown.along), shown.of_panels, gaps)
     style.add_notes(figure, [*_told(shown, [curve for _, curve in drawn], dashed)])
@@ -127,7 +127,8 @@ def _without_critical(
     """The layers of a figure of amplitudes, and those whose critical values lie where these begin;
     there are none where they are what is shown."""
     asked = variables_of(layers, settings)
-    if not any(name.endswith(AMPLITUDE) for name in asked):
+    logarithmic = points.is_logarithmic(settings, "y")  # on which nothing is zero
+    if logarithmic or not any(name.endswith(AMPLITUDE) for name in asked):
         return [*layers], []
     axis = points.abscissa(layers[0].dataset, settings)
     own, found = [*layers[:1]], list[points.Layer]()

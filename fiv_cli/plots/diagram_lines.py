@@ -38,21 +38,18 @@ CRITICAL: dict[str, Any] = {
     "color": style.BLACK, "ls": "none", "marker": "D", "ms": 4.0, "mfc": "white", "mew": 0.9,
     "zorder": 5,
 }  # fmt: skip
-UPON = 2e-3  # of the extent of a branch: how near it another is the same, whose points are others
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 
 
 def critical_values(dataset: xr.Dataset, axis: xr.DataArray) -> np.ndarray:
     """Where along an axis modes turn stable or unstable; none of what has other axes as well."""
-    if "critical_value" not in dataset:
+    if not is_critical_along(dataset, axis):
         return np.zeros(0)
     others = [d for d, size in dataset["critical_value"].sizes.items() if size == 1]
     found = dataset["critical_value"].squeeze([d for d in others if d != "crossing"])
     if found.dims != ("crossing",):
         return np.zeros(0)
-    found = found.dropna("crossing")
-    is_along = str(found.attrs.get("long_name", "")).endswith(f" of {axis.name}")
-    return np.sort(found.values) if is_along else np.zeros(0)
+    return np.sort(found.dropna("crossing").values)
 
 
 def is_critical_along(dataset: xr.Dataset, axis: xr.DataArray) -> bool:
@@ -61,22 +58,18 @@ def is_critical_along(dataset: xr.Dataset, axis: xr.DataArray) -> bool:
     return "critical_value" in dataset and words.endswith(f" of {axis.name}")
 
 
-def mark_critical(ax: Axes, other: points.Layer, dataset: xr.Dataset, axis: xr.DataArray) -> None:
+def mark_critical(
+    ax: Axes, other: points.Layer, datasets: Sequence[xr.Dataset], axis: xr.DataArray
+) -> None:
     """Where, at the parameters of each line, another dataset found that modes turn: at zero.
 
     Raises
     ------
     UsageError : it found nothing at these parameters
     """
-    found: dict[str, np.ndarray] = {}
-    along = [str(axis.dims[0]), "initial"]
-    for line in points.lines(dataset, along, points.grid_dims(dataset)):
-        for one in (other.dataset, *other.beside):
-            part = of_the_same(one, dataset.isel(line.index))
-            met = np.zeros(0) if part is None else critical_values(part, axis)
-            found[line.label] = np.union1d(found.get(line.label, np.zeros(0)), met)
-    if not any(at.size for at in found.values()):
-        differs = listed(differing(other.dataset, dataset))
+    found = [pair for dataset in datasets for pair in _critical_of_lines(other, dataset, axis)]
+    if not any(at.size for _, at in found):
+        differs = listed(differing(other.dataset, datasets[0]))
         raise UsageError(
             f"{other.label}: no critical value of {axis.name} at parameters of this figure"
             f"{f' ({differs} differ)' * bool(differs)}\n"
@@ -85,13 +78,24 @@ def mark_critical(ax: Axes, other: points.Layer, dataset: xr.Dataset, axis: xr.D
         )
     words = f"critical value of {labels.quantity(axis, str(axis.name))}"
     colours = points.colours([ax]) if len(found) > 1 else {}
-    for label, at in found.items():
-        own = (colour for name, colour in colours.items() if label in name)
-        look = {**CRITICAL, "color": next(own, style.BLACK)}
+    for label, at in found:
+        own = (of for name, of in colours.items() if {*label.split(", ")} <= {*name.split(", ")})
         told = points.unlisted(label, words) if colours else words
-        ax.plot(at, 0.0 * at, label=told, **look)
+        ax.plot(at, 0.0 * at, label=told, **{**CRITICAL, "color": next(own, style.BLACK)})
     if colours:
         ax.plot([], [], label=words, **CRITICAL)
+
+
+def _critical_of_lines(
+    other: points.Layer, dataset: xr.Dataset, axis: xr.DataArray
+) -> Iterator[tuple[str, np.ndarray]]:
+    """What each line of a dataset along an axis is called, and its critical values."""
+    along = [str(axis.dims[0]), "initial"]
+    for line in points.lines(dataset, along, points.grid_dims(dataset)):
+        own = dataset.isel(line.index)
+        parts = [of_the_same(one, own) for one in (other.dataset, *other.beside)]
+        met = [critical_values(part, axis) for part in parts if part is not None]
+        yield line.label, np.unique(np.concatenate([np.zeros(0), *met]))
 
 
 def _changes_along(
@@ -151,20 +155,28 @@ def _beside(
     x: np.ndarray, height: np.ndarray, drawn: Sequence[tuple[np.ndarray, np.ndarray]]
 ) -> np.ndarray:
     """The heights of a line that is not drawn yet, NaN where one that is leads through its points:
-    the dashes of both would fill each other's gaps."""
+    the dashes of both would fill each other's gaps.
+
+    Where lines only meet, or one begins on another, none of it is left out.
+    """
     for its_x, its_height in drawn:
-        known = np.isfinite(its_height)
-        if not known.any() or points.alone(known).all():
-            continue
-        size = [np.ptp(of[known]) or 1.0 for of in (its_x, its_height)]
-        place, line = (np.column_stack(of) / size for of in ((x, height), (its_x, its_height)))
-        begin, step = line[:-1], np.diff(line, axis=0)
-        off = place[:, None] - begin
-        with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.clip((off * step).sum(-1) / (step**2).sum(-1), 0.0, 1.0)
-        apart = np.linalg.norm(off - share[..., None] * step, axis=-1)
-        height = np.where(np.nanmin(apart, axis=1, initial=np.inf) < UPON, np.nan, height)
+        again = _is_upon((x, height), (its_x, its_height))
+        own = np.pad(~again & np.isfinite(height), 1)
+        height = np.where(again & ~own[:-2] & ~own[2:], np.nan, height)
     return height
+
+
+def _is_upon(
+    line: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray:
+    """At which points a line lies upon another, of whatever points."""
+    own, its = (np.column_stack(of) for of in (line, other))
+    known, there = (np.isfinite(of).all(axis=1) for of in (own, its))
+    upon = np.zeros(known.size, bool)
+    if known.any() and there.sum() > 1:
+        both = np.vstack([own[known], its[there]])
+        upon[known] = branch.off_line(own[known], its[there], both) < branch.UPON
+    return upon
 
 
 def _draw_cycle(
@@ -351,12 +363,11 @@ def draw_equilibria(
     axis = select.axis_of(of_case, str(axis.name))
     dim, x = str(axis.dims[0]), points.positions(axis)
     lines = points.lines(of_case, [dim, "initial"], [str(d) for d in every.dims])
+    of_lines = [of_the_same(layer.dataset, of_case.isel(line.index)) for line in lines]
     changes_of = [
-        _changes_along(
-            layer.dataset.isel(line.index, missing_dims="ignore"), (*layer.beside, *others), axis,
-            observed,
-        )
-        for line in lines
+        np.zeros(0) if own is None
+        else _changes_along(own, (*layer.beside, *others), axis, observed)
+        for own in of_lines
     ]  # fmt: skip
     colours = points.colours([ax]) if len(lines) > 1 or layer.label else {}
     known_words = {str(line.get_label()) for line in ax.lines}
@@ -385,26 +396,23 @@ def draw_equilibria(
     return turns, shares
 
 
-def mark_turns(ax: Axes, turns: Sequence[Line2D], shared: bool, births: np.ndarray) -> None:
-    """Where equilibria turn unstable: what was read between points, and what the `births` of cycles
-    have a mark for, is seen only where some are a `shared` line, which tells of none."""
-    pairs = [(one, np.array(one.get_data(), float)) for one in turns]
-    seen = [
-        shared or not (BETWEEN in str(one.get_label()) or _are_among(places[0], births))
-        for one, places in pairs
-    ]
-    for (one, places), is_seen in zip(pairs, seen, strict=True):
-        look = {**TURN, "color": one.get_color(), "label": one.get_label(), "visible": is_seen}
-        if places.size:
-            ax.plot(*places, **look)
-    if any(is_seen and places.size for (_, places), is_seen in zip(pairs, seen, strict=True)):
+def mark_turns(ax: Axes, turns: Sequence[Line2D], shared: bool) -> None:
+    """Where equilibria turn stable or unstable: what was read between points, or has the mark of a
+    cycle that ends there, is seen only where some are a `shared` line, which tells of none."""
+    marked = [of.get_xdata() for of in ax.lines if of.get_marker() == branch.MARKS["equilibrium"]]
+    ends = np.concatenate([np.zeros(0), *marked])
+    is_any = False
+    for one in turns:
+        places = np.array(one.get_data(), float)
+        apart = np.abs(np.subtract.outer(places[0], ends)).min(axis=1, initial=np.inf)
+        told = (apart <= branch.UPON * np.ptp(ax.get_xlim())) | (BETWEEN in str(one.get_label()))
+        for part, visible in ((~told, True), (told, shared)):
+            if part.any():
+                look = {**TURN, "color": one.get_color(), "label": one.get_label()}
+                ax.plot(*places[:, part], visible=visible, **look)
+                is_any |= visible
+    if is_any:
         ax.plot([], [], color=style.BLACK, label=TURNS_HERE, **TURN)
-
-
-def _are_among(places: np.ndarray, births: np.ndarray) -> bool:
-    """Whether each of some places is one of others, to what a figure shows."""
-    apart = np.abs(np.subtract.outer(places, births)).min(axis=1, initial=np.inf)
-    return bool((apart <= UPON * np.abs(places)).all())
 
 
 def _blacken_shared(ax: Axes, line: Line2D) -> bool:

@@ -71,7 +71,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         0.0, color=style.GREY, lw=0.8, zorder=1.8, label=DECORATION
     )  # under growth of 0
     for other in others:
-        mark_critical(axes[0], other, dataset, axis)
+        mark_critical(axes[0], other, [dataset], axis)
     points.dress_axis(axes[1], axis, "x")
     points.mark_gaps(axes, [first], own[-1])
     points.legend(axes)
@@ -129,7 +129,7 @@ def _upon_one_another(
         (mode, one, other)
         for mode, lines in of_modes.items()
         for (one, y), (other, its) in combinations(lines, 2)
-        if (np.abs(y - its) <= least).sum() >= MOSTLY * (np.isfinite(y) & np.isfinite(its)).sum()
+        if (np.abs(y - its) <= least).sum() >= MOSTLY * max(np.isfinite(y + its).sum(), 2)
     ]
     if pairs:
         mode, one, other = pairs[0]
@@ -186,7 +186,9 @@ def _up_to_turns(
     share = growth[at] / (growth[at] - growth[at + 1])
     places, heights = (of[at] + share * (of[at + 1] - of[at]) for of in (x, y))
     whole = [np.insert(of, at + 1, own) for of, own in ((x, places), (y, heights))]
-    return whole[0], whole[1], np.insert(growth > 0.0, at + 1, True)
+    begins = np.pad(growth > 0.0, 1)  # beside what is zero at a point
+    unstable = (growth > 0.0) | ((growth == 0.0) & (begins[:-2] | begins[2:]))
+    return whole[0], whole[1], np.insert(unstable, at + 1, True)
 
 
 def _mark(

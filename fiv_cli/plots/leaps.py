@@ -60,7 +60,7 @@ def marks_of_motions(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
 def told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> np.ndarray:
     """Numbers of kinds of cycles along a line, which change where any mark of motions leaps.
 
-    What passes no section has none above zero.
+    They are negative of what passes no section.
     """
     changes = kinds[1:] != kinds[:-1]
     for one in marks:

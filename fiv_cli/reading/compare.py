@@ -174,8 +174,7 @@ def compare(
     First of which axes a part alone can be compared, and which starts are others; then which class
     became which, that of the steady state before others: numbers follow it.
     """
-    if left.keys() != right.keys():
-        left, right = _by_name(left), _by_name(right)
+    left, right = _alike_named(left, right)
     axes, differences = [], []
     for name in sorted(left.keys() | right.keys()):
         if name not in left or name not in right:
@@ -204,6 +203,13 @@ def _are_redrawn(one: xr.Dataset, other: xr.Dataset) -> bool:
         return False
     own, its = (side["initial_state"].sel(initial=drawn).values for side in (one, other))
     return not np.array_equal(own, its, equal_nan=True)
+
+
+def _alike_named(
+    left: Mapping[str, xr.Dataset], right: Mapping[str, xr.Dataset]
+) -> tuple[Mapping[str, xr.Dataset], Mapping[str, xr.Dataset]]:
+    """Both as they are or, where one has a single analysis, by the names of these."""
+    return (left, right) if left.keys() == right.keys() else (_by_name(left), _by_name(right))
 
 
 def _by_name(analyses: Mapping[str, xr.Dataset]) -> dict[str, xr.Dataset]:
@@ -436,11 +442,12 @@ class _Pair:
     def _compared(self, name: str) -> tuple[xr.DataArray | bool, xr.DataArray | bool]:
         """Where a variable is compared with its own tolerance, and where with that of sampling.
 
-        Of what was filled in, its class.
+        Where a side was filled in, the class alone is.
         """
-        found = self._of_one_class(name)
-        filled = not_run(self.left, self.right)
+        found, filled = self._of_one_class(name), filled_in_either(self.left, self.right)
         if filled is None or name in _refined(self.left, self.right):
+            return found
+        if not {*filled.dims} <= self._dims(name):  # it is of no point
             return found
         return found[0] & ~filled, found[1] & ~filled
 
@@ -462,7 +469,7 @@ class _Pair:
         return left.isin(codes) & right.isin(codes) & alike
 
 
-def not_run(left: xr.Dataset, right: xr.Dataset) -> xr.DataArray | None:
+def filled_in_either(left: xr.Dataset, right: xr.Dataset) -> xr.DataArray | None:
     """Points that one side did not run, but filled in; None of maps that are not refined."""
     if not any("computed" in one for one in (left, right)):
         return None
@@ -475,14 +482,15 @@ def not_run(left: xr.Dataset, right: xr.Dataset) -> xr.DataArray | None:
 
 def count_filled(left: Mapping[str, xr.Dataset], right: Mapping[str, xr.Dataset]) -> int:
     """At how many points both are compared by the class alone, since one was filled in there."""
+    left, right = _alike_named(left, right)
     pairs = [(one, right[name]) for name, one in left.items() if name in right]
     alike = [pair for pair in pairs if not _other_axes(*pair)]
-    masks = (not_run(*_at_common_points(*map(_found, pair))[:2]) for pair in alike)
+    masks = (filled_in_either(*_at_common_points(*map(_found, pair))[:2]) for pair in alike)
     return sum(int(one.sum()) for one in masks if one is not None)
 
 
 def _refined(*sides: xr.Dataset) -> list[str]:
-    """What is known of points that were filled in, too; whether they are is no answer."""
+    """What has an answer where points were filled in, too."""
     return ["computed", *(str(one.attrs.get("refined_of")) for one in sides)]
 
 

@@ -184,8 +184,9 @@ def told_by_class(
         filled = is_class(part["computed"], ("filled_in",)) & numbers(part[variable]).isnull()
         open_ = is_class(part["attractor"], ("undecided",)).any(dims)
         here = is_class(found["status"], ("undecided",)) & filled.any(dims) & ~open_
-        names[max(names) + 1] = "filled_in"
-        status = status.where(~here, max(names))
+        if here.any():
+            names[max(names) + 1] = "filled_in"
+            status = status.where(~here, max(names))
     kept = {"flag_values": np.array([*names], np.int8), "flag_meanings": " ".join(names.values())}
     return found.assign(status=status.assign_attrs(found["status"].attrs | kept))
 
