@@ -15,7 +15,7 @@ from matplotlib.text import Text
 from plotted import branch_along_the_speed, crossing_lines, figure, legend_texts, marks, run
 
 from fiv_cli.case.case import FigureSpec
-from fiv_cli.cli.plot import Millimetres
+from fiv_cli.cli.plot import Millimetres, _showing
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
 from fiv_cli.errors import CaseError, InputError, UsageError
@@ -619,6 +619,11 @@ def test_what_a_figure_shows_can_be_named_on_the_command_line(tmp_path):
     assert labels == {"F_T (N)", "varphi (rad)"}
     alone = CliRunner().invoke(plot_command, [str(file), "--variable", "F_T"])
     assert "--variable: of which figure?" in str(alone.exception)
+    own = figure("curve", variable="L_s", ylim=[0.0, 1.0], xlim=[0.0, 9.0])
+    assert set(_showing(own, ["period"]).settings) == {"variable", "xlim"}
+    taken = figure("curve", variable="L_s", take={"what": "spread", "over": ["initial"]})
+    with pytest.raises(UsageError, match="takes spread of its own"):
+        _showing(taken, ["period"])
 
 
 def test_an_end_that_is_an_edge_of_the_bracket_has_no_error_and_is_told():

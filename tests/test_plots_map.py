@@ -4,6 +4,7 @@ import csv
 import json
 from itertools import combinations
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from plotted import corners, figure, legend_texts, marks, run
 
 from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
+from fiv_cli.cli.main import run as fiv
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import draw, legends, levels, look_of, points, save, style
@@ -29,6 +31,7 @@ from fiv_cli.plots.critical_lines import _is_inside
 from fiv_cli.plots.drawing import _meant
 from fiv_cli.plots.drawn import as_csv, in_one_line
 from fiv_cli.plots.levels import MOST_WRITTEN
+from fiv_cli.plots.map import _told_twice
 from fiv_cli.plots.style import BLACK, line_colours
 from fiv_cli.reading.datasets import is_class
 
@@ -1498,6 +1501,44 @@ def test_lines_that_a_map_cannot_have_are_refused(level, message):
         draw(with_growth(), figure("map", variable="L_s", level=level))
     with pytest.raises(UsageError, match="overlay shows the lines of the variable that is mapped"):
         draw(with_growth(), figure("map", variable="L_s", level={"growth_rate": 0}, overlay=True))
+
+
+def test_a_map_may_have_the_starts_along_an_axis(tmp_path):
+    """Which start reaches what along one parameter: refused as if nothing were called so."""
+    case = tmp_path / "a.toml"
+    text = """schema = 1
+[model]
+name = "belt-1dof"
+[grid]
+v = [0.5, 1.0]
+[[initial]]
+label = "one"
+kind = "state"
+state = { x_dot = "v" }
+[[initial]]
+label = "two"
+kind = "equilibrium"
+[[analysis]]
+kind = "response"
+[[figure]]
+kind = "map"
+x = "v"
+y = "initial"
+"""
+    case.write_text(text)
+    assert fiv(["check", str(case)]) == 0
+    case.write_text(text.partition('[[initial]]\nlabel = "two"')[0] + text[text.index("[[ana") :])
+    assert fiv(["check", str(case)]) == 3
+    drawn = draw(data.bifurcation(), figure("map", x="Omega", y="initial", variable="attractor"))
+    ticks = [text.get_text() for text in drawn.axes[0].get_yticklabels()]
+    assert ticks == [*data.bifurcation()["initial"].values]
+
+
+def test_a_growth_rate_of_zero_beside_critical_values_is_told_to_be_twice():
+    planes = SimpleNamespace(array=xr.DataArray(0.0, name="attractor"))
+    for growing, told in (({"growth_rate": 0.0}, 1), ({"growth_rate": 1.0}, 0), ({}, 0)):
+        level = {**growing, "crit:critical_value": "N0"}
+        assert len([*_told_twice(planes, {"level": level})]) == told
 
 
 def test_a_map_needs_two_axes():

@@ -150,7 +150,7 @@ def _known_of_axes(kind: str, answers: Answers) -> dict[str, list[str]]:
 
 def _has_many(answers: Answers) -> bool:
     """Whether there are several starts."""
-    return len(answers.starts) > 1 or any(start.kind in SEVERAL for start in answers.starts)
+    return sum(start.size for start in answers.starts) > 1
 
 
 def _canonical(table: FigureTable, answers: Answers, place: Path, report: Report) -> dict[str, Any]:

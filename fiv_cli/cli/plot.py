@@ -30,6 +30,7 @@ LINES_ALONE = (
     "the lines on the map alone; the map itself: fiv show FILE.nc --csv VARIABLE -o FILE.csv"
 )
 OWN_NAMES = "; lines drawn over those of another file have names of their own"
+OF_A_VARIABLE = ("level", "border", "ylim", "zlim", "ylabel", "zlabel")  # settings of a figure
 SAID_OF_A_FLAG = ("on", "off", "yes", "no", "true", "false", "none", "")
 
 
@@ -267,8 +268,8 @@ def _of_files(
 
     drawn, left_out = [], []
     for default, sources, asked in _asked(files, names, called):
-        figure = _showing(asked, variables)
         try:
+            figure = _showing(asked, variables)
             drawn.append((default, _drawn(sources, figure, look)))
             for name in _unsaid(drawn[-1][1], _names_in(sources, figure)):
                 click.echo(f"--label {name}: not in the figure {figure.name}{OWN_NAMES}", err=True)
@@ -280,7 +281,7 @@ def _of_files(
                 click.echo(f"{told}: in no legend and at no axis; there: {said}", err=True)
         except UsageError as error:
             whose = sources[0][0] if len(sources) == 1 else "all files"
-            left_out.append(type(error)(f"figure {figure.name} of {whose}: not written: {error}"))
+            left_out.append(type(error)(f"figure {asked.name} of {whose}: not written: {error}"))
     if not drawn:
         for one in left_out[1:]:
             click.echo(one, err=True)
@@ -294,9 +295,21 @@ def _of_files(
 
 
 def _showing(figure: FigureSpec, variables: Sequence[str]) -> FigureSpec:
-    """A figure of the variables that are named, if any are."""
-    wanted = {"variable": [*variables]} if variables else {}
-    return replace(figure, settings={**figure.settings, **wanted})
+    """A figure of the variables that are named, if any are, without what its case says of its own.
+
+    Raises
+    ------
+    UsageError : it takes a share, say, of its own
+    """
+    if not variables:
+        return figure
+    if "take" in figure.settings:
+        raise UsageError(
+            f"--variable: figure {figure.name} takes {figure.settings['take']['what']} of its own\n"
+            f"next: --figure {figure.kind} --variable NAME, or a figure of it in the case"
+        )
+    kept = {key: value for key, value in figure.settings.items() if key not in OF_A_VARIABLE}
+    return replace(figure, settings={**kept, "variable": [*variables]})
 
 
 def _names_in(sources: Sources, figure: FigureSpec) -> list[str]:
