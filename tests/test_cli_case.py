@@ -253,6 +253,36 @@ class TestModels:
             assert f"  {state.name}'' = " in out
         assert ("|F_T| <= " in out) == bool(model.contacts)
 
+    def test_the_equations_under_an_option(self, capsys: pytest.CaptureFixture[str]) -> None:
+        name = "disc-nonlinear-contact"
+        assert run(["models", name, "--option", "geometry=linear"]) == 0
+        out = capsys.readouterr().out
+        assert "  u'' = " in out and "q_" not in out.split("Equations")[1]
+        assert run(["models", name, "--option", "geometry=linear", "--law", "stribeck"]) == 0
+        assert "exp(" in capsys.readouterr().out
+        for option, told in (
+            ("geometry=flat", "must be nonlinear, linear"),
+            ("geometri=linear", "did you mean 'geometry'"),
+        ):
+            assert run(["models", name, "--option", option]) == 2
+            assert told in capsys.readouterr().err
+        assert run(["models", "stribeck", "--option", "geometry=linear"]) == 2
+        assert "--option is for a model" in capsys.readouterr().err
+
+    def test_which_have_a_parameter_or_a_state(self, capsys: pytest.CaptureFixture[str]) -> None:
+        """Whoever looked for a cubic spring had to read the table of every model."""
+        assert run(["models", "k_nl"]) == 0
+        rows = capsys.readouterr().out.splitlines()[2:]
+        having = [
+            m.name for m in all_models().values() if any(p.name == "k_nl" for p in m.parameters)
+        ]
+        assert [row.split()[0] for row in rows] == having
+        assert run(["models", "phi", "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)["of"]
+        assert {"of": "pin-on-disc", "unit": "rad"}.items() <= found[-1].items()
+        assert run(["models", "geometry"]) == 0
+        assert "option: " in capsys.readouterr().out
+
     def test_equations_are_those_of_the_model(self, capsys: pytest.CaptureFixture[str]) -> None:
         run(["models", "belt-1dof"])
         out = capsys.readouterr().out

@@ -68,6 +68,69 @@ def test_a_line_stands_where_modes_merge():
     assert merge == ["modes merge"]  # the dashes say whose it is
 
 
+def test_growth_has_its_corner_where_modes_merge_between_points():
+    """Its line was straight there, and turned at a point of the grid."""
+    dataset = data.eigenvalues().isel(mu_k=slice(9, None, 2))  # 0.475 and 0.525 among them
+    merging = np.where(np.isclose(dataset["mu_k"], 0.475)[:, None], 0.5, np.nan) * np.ones(4)
+    dataset["coupling_point"] = (("mu_k", "mode"), merging, {"along": "mu_k"})
+    (ax,) = draw(dataset, figure("curve", variable="growth_rate")).axes
+    x, y = ax.lines[0].get_data()
+    assert (np.diff(x) > 0.0).all()
+    np.testing.assert_allclose(y[x <= 0.5], -0.05, atol=1e-12)
+    assert y[x == 0.5].size == 1 and x.size == 1 + dataset.sizes["mu_k"]
+    table = csv.DictReader(as_csv(ax.figure, Path("a.csv")).splitlines())
+    assert 0.5 not in [float(row["x"]) for row in table]  # which was not computed
+
+
+def test_words_of_ones_own_stand_in_entries_that_name_several_lines():
+    dataset = data.eigenvalues()
+    places = np.where(dataset["mu_k"].values[:, None] == 0.5, 0.5, np.nan) * np.ones(4)
+    dataset["coupling_point"] = (("mu_k", "mode"), places, {"along": "mu_k"})
+    further = dataset.assign(coupling_point=dataset["coupling_point"] + 0.1)
+    never = dataset.assign(coupling_point=dataset["coupling_point"] * np.nan)
+    loads = xr.Variable("N0", [20.0, 30.0, 40.0], {"units": "N"})
+    three = xr.concat([dataset, further, never], loads)
+    three["coupling_point"].attrs = dataset["coupling_point"].attrs
+    top, _ = draw(three, figure("eigenvalues", words={"N_0 = 20 N": "light"})).axes
+    assert "modes merge: light and $N_{0}$ = 30 N" in legend_texts(top)
+
+
+def test_a_mode_beneath_another_is_seen_on_it():
+    dataset = data.eigenvalues()
+    _, bottom = draw(dataset, figure("eigenvalues")).axes
+    blue, green = (line.get_color() for line in bottom.lines[:1] + bottom.lines[2:3])
+    (upon,) = [line for line in bottom.lines if line.get_linestyle() == "--"]
+    x = np.asarray(upon.get_xdata())[np.isfinite(upon.get_ydata())]
+    assert x.min() >= 0.5 and upon.get_color() == blue != green
+
+
+def test_critical_values_mark_the_largest_growth_and_lines_of_modes_each_by_its_fill():
+    dataset = data.eigenvalues()
+    laws = xr.Variable("friction", ["coulomb", "stribeck"])
+    both = xr.concat([dataset, dataset.assign(growth_rate=dataset["growth_rate"] - 0.1)], laws)
+    told = {"long_name": "critical value of mu_k", "units": "1"}
+    values = xr.DataArray([[0.5025, 0.9], [0.525, np.nan]], dims=("friction", "crossing"))
+    critical = xr.Dataset(
+        {"status": data.statuses(("friction",), ["ok"] * 2), "critical_value": values},
+        {"friction": laws},
+        data.attributes(),
+    )
+    critical["critical_value"].attrs = told
+    files = [("a", both), ("b", critical)]
+    (ax,) = draw(files, figure("curve", variable="growth_rate")).axes
+    words = r"critical value of $\mu_k$"
+    met = {str(line.get_label()): line for line in ax.lines if words in str(line.get_label())}
+    assert met[f"_coulomb, {words}"].get_xdata().tolist() == [0.5025]  # 0.9: a further mode
+    top, _ = draw(files, figure("eigenvalues")).axes
+    fills = {
+        str(line.get_label()): line.get_markerfacecolor()
+        for line in top.lines
+        if words in str(line.get_label())
+    }
+    assert [*fills] == [f"{words}: coulomb", f"{words}: stribeck"]
+    assert len({*fills.values()}) == 2
+
+
 @pytest.mark.parametrize(("apart", "one"), [(1e-5, True), (0.01, False)])
 def test_mergers_that_interpolation_does_not_tell_apart_are_one(apart, one):
     """Of points 0.025 apart: of another pair of modes, and at another value of another axis."""
@@ -150,7 +213,8 @@ def test_lines_of_modes_lead_through_the_point_where_they_merge():
     dataset["coupling_point"] = (("mu_k", "mode"), places, told)
     drawn = draw(dataset, figure("eigenvalues"))
     for ax, met in zip(drawn.axes, (-0.05, 5.0 / (2.0 * np.pi)), strict=True):
-        lines = [line.get_xydata() for line in ax.lines if len(line.get_xdata()) == 7]
+        solid = [line.get_xydata() for line in ax.lines if line.get_linestyle() == "-"]
+        lines = [line for line in solid if len(line) == 7]
         assert len(lines) == 2
         for line in lines:
             np.testing.assert_allclose(line[3], [0.5, met], atol=1e-12)
@@ -240,6 +304,11 @@ def test_what_several_laws_hold_in_stick_is_one_line_with_the_end_of_each():
     assert ends == [[-0.4, 0.4], [-0.6, 0.6]]
     table = as_csv(drawn, Path("a.csv"))
     assert sum("held in stick" in row for row in table.splitlines()) == 4
+    assert legend_texts(drawn)[-1] == "held in stick: each law to its mark"
+    alike = draw_laws(["coulomb", "exponential"])  # one mark would hide the other
+    black = [line for line in alike.axes[0].lines if line.get_color() == style.BLACK]
+    assert [line.get_marker() for line in black if len(line.get_xdata())] == ["None", "_"]
+    assert legend_texts(alike)[-1] == "held in stick"
 
 
 def test_laws_are_drawn_with_the_parameters_that_are_given():

@@ -44,6 +44,8 @@ def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp
     drawn = draw(data.bifurcation(), figure(kind), look=paper)
     assert drawn.get_figwidth() * 25.4 == pytest.approx(84.0)
     assert drawn.get_suptitle() == ""
+    of_one = draw(data.bifurcation(), figure(kind, select={"initial": "near"}), look=paper)
+    assert "for the caption: start: near" in style.notes_on(of_one)  # which a title would tell
     save(drawn, tmp_path / "a.svg", paper)
     written = (tmp_path / "a.svg").read_text()
     assert f'width="{84.0 / 25.4 * 72.0:.6f}'.rstrip("0") in written

@@ -1169,6 +1169,22 @@ def test_undecided_points_are_seen_beneath_lines_on_a_fine_map_of_classes(points
         dots = [line.get_xydata().tolist() for line in ax.lines if line.get_marker() == "s"]
         place = [float(response["Omega"][5]), float(response["N0"][7])]
         assert dots == [[place]] * (marked and lines)
+        (key,) = [one for one in told_patches(ax.figure) if one.get_label() == "undecided"]
+        assert (key.get_edgecolor()[:3] == (0.0, 0.0, 0.0)) == (marked and lines)
+
+
+def told_patches(drawn):
+    """The patches in the legends of a figure."""
+    return [one for legend in drawn.findobj(Legend) for one in legend.get_patches()]
+
+
+def test_a_few_values_far_from_even_have_a_tick_each():
+    """Where cells end half-way, nothing else shows where anything was computed."""
+    whole = data.stability_map(initial=("reached",), nx=21)
+    for chosen, told in (([0, 2, 3, 20], True), ([0, 5, 10, 15], False)):
+        some = whole.isel(Omega=chosen)
+        ax = draw(some, figure("map", x="Omega", y="N0", variable="attractor")).axes[0]
+        assert np.array_equal(ax.get_xticks(), some["Omega"]) == told
 
 
 def test_a_level_that_no_line_has_is_told_also_where_a_figure_has_no_title(stored):
@@ -1436,6 +1452,11 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
     left = draw(response, figure("map", **axes, level={"open:critical_value": "N0"}))
     assert 39 in {len(line.get_xdata()) for line in left.axes[0].lines}
     assert [note for note in style.notes_on(left) if "not at 1 of 40 places" in note]
+    error = crit["critical_value"].copy(data=np.where(modes == 0, 1e-9, np.nan))
+    crit.assign(reason=reasons, critical_error=error).to_netcdf("runs/partly.nc")
+    sure = draw(response, figure("map", **axes, level={"partly:critical_value": "N0"}))
+    assert 40 in {len(line.get_xdata()) for line in sure.axes[0].lines}
+    assert not [note for note in style.notes_on(sure) if "not at 1 of 40 places" in note]
     rows = as_csv(drawn, Path("a.csv")).splitlines()[1:]  # though the rest of the figure is a plane
     assert any(",critical value of N_0," in row for row in rows)
     for first, count in ((0, 1), (1, 0)):  # the mode that turns unstable where all were stable

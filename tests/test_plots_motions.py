@@ -312,6 +312,22 @@ def test_motions_are_drawn_through_the_instants_of_their_events(sample):
         np.testing.assert_allclose(np.min(np.abs(ends - corner).max(axis=1)), 0.0, atol=1e-12)
 
 
+def test_a_motion_of_whole_periods_ends_before_the_jump_at_its_end():
+    """Its last sample is what comes after the event there, and looked like an artefact."""
+    dataset, _ = sawtooth(0.1)
+    cut = dataset.isel(time=slice(36)).copy(deep=True)
+    cut["event_time"][3] = cut["time"][-1] - 1e-13
+    before = float(cut["F_T"][0, -2])
+    cut["F_T"][0, -1] = 2.0 - before  # 3 N and -1 N in turn
+    (ax,) = draw(cut, figure("history", variable="F_T")).axes
+    time, force = ax.lines[0].get_data()
+    assert (time[-1], force[-1]) == (pytest.approx(3.5), before)
+    earlier = cut.assign(event_time=cut["event_time"].copy())
+    earlier["event_time"][3] -= 0.05  # within the motion
+    (ax,) = draw(earlier, figure("history", variable="F_T")).axes
+    assert ax.lines[0].get_ydata()[-1] == 2.0 - before
+
+
 def test_a_jump_in_a_phase_portrait_is_of_neither_state_beside_it():
     """No slip has a force that it never has, and the head lies on no jump."""
     found, _ = sawtooth(0.09)

@@ -293,7 +293,8 @@ REFINE = """\
 A map that is run along the borders of its classes only: [grid] is coarse, and its spacing is halved
 `levels` times where neighbours differ. 9 x 9 points grow to the picture of 257 x 257 for 3 to 13 %
 of the runs along one closed border; more along many, or where chaos mixes classes, and where levels
-are few or the coarse grid fine (25 points a side, halved once: 69 %). Where the coarse grid was run
+are few or the coarse grid fine (25 points a side, halved once: 69 %). Of the time it saves less:
+motions along a border, and chaotic ones, are those that take long. Where the coarse grid was run
 already, the same -o uses its points. A seeded sample of the points that are filled in is run as
 well, to say how many are wrong; an island between the points of the coarse grid is not seen.
 
@@ -338,7 +339,7 @@ Where motions start, each table a start; `initial` is an axis of the dataset, wi
     along = "Omega"
     from = "disc-speed"                          # the first
     on_loss = "go-on"                            # whatever becomes of the motion
-    steps = "grid"                               # though shorter steps would not have lost it
+    steps = "shorter"                            # or grid: a step of the grid may lose it early
 """
 
 FIGURE = """\

@@ -242,7 +242,7 @@ class _Template:
             down = [f'along = "{self.axis.name}"', 'direction = "down"', 'from = "rest"']
             head = _with_comment("[[initial]]", "where the neighbour on the axis ended")
             after = _with_comment('on_loss = "go-on"', "or stop, restart: where its class is lost")
-            steps = _with_comment('steps = "grid"', "or shorter, where one of the grid loses it")
+            steps = _with_comment('steps = "shorter"', "or grid, of which one may lose it early")
             lines = [head, 'label = "down"', 'kind = "continue"', *down, after, steps]
             yield _commented(lines)
 

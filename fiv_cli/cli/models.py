@@ -32,10 +32,20 @@ KINDS = (
 @click.argument("name", required=False)
 @click.option("--laws", "want_laws", is_flag=True, help="Friction laws instead of models.")
 @click.option("--law", metavar="LAW", help="The model NAME with another law than its first.")
+@click.option(
+    "--option",
+    "chosen",
+    metavar="OPTION=CHOICE",
+    multiple=True,
+    help="States and equations of the model NAME under this option (repeatable).",
+)
 @json_option
 @with_option
-def command(name: str | None, want_laws: bool, law: str | None, as_json: bool) -> None:
-    """List the mechanical models, or print everything about the model or law called NAME.
+def command(
+    name: str | None, want_laws: bool, law: str | None, chosen: tuple[str, ...], as_json: bool
+) -> None:
+    """List the mechanical models, or print everything about the model or law called NAME, or which
+    of them have the parameter or state NAME.
 
     For one model: its parameters with symbol, unit, default, range and the equation that
     introduces them, its states and options, the friction laws it takes, and its equations, under
@@ -47,6 +57,8 @@ def command(name: str | None, want_laws: bool, law: str | None, as_json: bool) -
       fiv models
       fiv models pin-on-disc    # then: fiv new pin-on-disc
       fiv models pin-on-disc --law stribeck
+      fiv models disc-nonlinear-contact --option geometry=linear
+      fiv models k_nl           # which models have it
       fiv models --laws
       fiv models stribeck       # then: fiv plot --law stribeck
     """
@@ -57,30 +69,88 @@ def command(name: str | None, want_laws: bool, law: str | None, as_json: bool) -
     know_installed()
     name = name if name is None else seek(name)
     laws = all_laws()
-    if name is not None and not want_laws:
+    if name is not None and not want_laws and not (name in all_models() or name in laws):
+        if having := _having(name):
+            _show_having(name, having, as_json)
+            return
         known = dict.fromkeys([*all_models(), *laws])
         lists = following("models", name, "fiv models, or fiv models --laws")
         pick(name, known, "model or friction law", lists)
-    if law is not None:
-        _show_under(name, seek(law), as_json)
+    if law is not None or chosen:
+        _show_under(_under(name, chosen, law), law and seek(law), as_json)
     elif want_laws or name in laws:
         _show_laws(name, as_json)
     else:
         _show_models(name, as_json)
 
 
-def _show_under(name: str | None, law: str, as_json: bool) -> None:
-    """A model with a law that it has not by default."""
-    from fiv_cli.friction import all_laws, why_unfit
+def _having(name: str) -> list[tuple[str, str, str, str]]:
+    """Model or law, unit, default and meaning of each parameter, state or option called `name`."""
+    from fiv_cli.friction import TANH_OF, all_laws
     from fiv_cli.models import all_models
 
-    under = pick(law, all_laws(), "friction law", "fiv models --laws")
+    laws = [law for law in all_laws().values() if not law.name.startswith(TANH_OF)]
+    models = all_models().values()
+    tables = [(one.name, one.parameters) for one in models]
+    tables += [(one.name, one.parameters) for one in laws]
+    found = [
+        (of, p.unit, _default(p), p.meaning)
+        for of, table in tables
+        for p in table
+        if p.name == name
+    ]
+    for model in models:
+        states = model.states(model.default_options())
+        found += [(model.name, s.unit, "", f"state: {s.meaning}") for s in states if s.name == name]
+        options = [option for option in model.options if option.name == name]
+        found += [(model.name, "", o.default, f"option: {o.meaning}") for o in options]
+    return found
+
+
+def _show_having(name: str, having: Sequence[tuple[str, ...]], as_json: bool) -> None:
+    columns = ("of", "unit", "default", "meaning")
+    if as_json:
+        print_json({"name": name, "of": [dict(zip(columns, row, strict=True)) for row in having]})
+    else:
+        print_table(f"{name} (fiv models MODEL, or LAW, says more)", columns, having)
+
+
+def _under(name: str | None, chosen: Sequence[str], law: str | None) -> Model:
+    """The model of that name under options that are not its defaults; UsageError if it is none."""
+    from fiv_cli.models import all_models
+
     if name not in all_models():
-        raise UsageError(f"--law is for a model\nnext: fiv models {law}, or name a model too")
+        told = f"--law is for a model\nnext: fiv models {law}, or name a model too"
+        options = "--option is for a model\nnext: fiv models NAME --option OPTION=CHOICE"
+        raise UsageError(options if law is None else told)
     model = all_models()[name]
+    texts = dict(_option_of(model, one) for one in chosen)
+    options_of = (replace(o, default=texts.get(o.name, o.default)) for o in model.options)
+    return replace(model, options=tuple(options_of))
+
+
+def _option_of(model: Model, said: str) -> tuple[str, str]:
+    """The name and the text of ``OPTION=CHOICE``; UsageError where the model has no such."""
+    key, _, value = (part.strip() for part in said.partition("="))
+    of = {option.name: option for option in model.options}
+    option = pick(key, of, f"option of {model.name}", f"fiv models {model.name}")
+    try:
+        return key, option.text(value)
+    except ValueError as error:
+        raise UsageError(f"--option {said}: {error}\nmust be {option.allowed}") from None
+
+
+def _show_under(model: Model, law: str | None, as_json: bool) -> None:
+    """A model with a law that it has not by default, if one is named."""
+    from fiv_cli.friction import all_laws, why_unfit
+
+    if law is None:
+        print_json(_model_document(model)) if as_json else _print_model(model, model.default_law)
+        return
+    under = pick(law, all_laws(), "friction law", "fiv models --laws")
     unfit = why_unfit(model, under)
     if unfit:
-        raise UsageError(f"{unfit}\nnext: fiv models {name} lists those that it takes")
+        raise UsageError(f"{unfit}\nnext: fiv models {model.name} lists those that it takes")
     if as_json:
         adopted = replace(under, parameters=model.adopted(under))
         print_json(_model_document(model) | {"law": _law_document(adopted)})
@@ -93,8 +163,7 @@ def _show_models(name: str | None, as_json: bool) -> None:
 
     models = all_models()
     if name is not None:
-        model = models[name]
-        print_json(_model_document(model)) if as_json else _print_model(model, model.default_law)
+        _show_under(models[name], None, as_json)
     elif as_json:
         print_json({"models": [_model_document(model) for model in models.values()]})
     else:

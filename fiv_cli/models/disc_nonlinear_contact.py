@@ -50,7 +50,12 @@ OPTIONS = (
         "nonlinear",
         "whether the cubic contact spring k_nl is there",
     ),
-    Option("geometry", ("nonlinear", "linear"), "nonlinear", "elastic disc, or a rigid one"),
+    Option(
+        "geometry",
+        ("nonlinear", "linear"),
+        "nonlinear",
+        "elastic disc, or a rigid one: two degrees of freedom",
+    ),
     Option(
         "states",
         ("all", "slip", "slip+separation", "slip+reverse+separation"),

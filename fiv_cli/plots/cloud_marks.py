@@ -75,15 +75,16 @@ def mark_clouds(
     if decided and (sorts > 1 or crowd < count):
         ax.plot([], [], ls="none", color=style.BLACK, label=MANY, **style.mark_of(0, 1, FINEST))
     if apart.size and squares:
-        ax.plot([], [], "s", mew=0.0, color=style.BLACK, label=resting)
-    _name_undecided(ax, pairs)
+        square = APART if are_bars else size
+        ax.plot([], [], "s", ms=square, mew=0.0, color=style.BLACK, label=resting)
+    _name_undecided(ax, pairs, STILL_SEEN * size)
 
 
-def _name_undecided(ax: Axes, pairs: Sequence[tuple[Cloud, points.Entry]]) -> None:
+def _name_undecided(ax: Axes, pairs: Sequence[tuple[Cloud, points.Entry]], size: float) -> None:
     """Legend entry of what is pale."""
     colours = [style.pale(own.colour) for one, own in pairs if one.undecided.any()]
     if colours:
-        halves: dict[str, Any] = {"fillstyle": "left", "mfcalt": colours[-1]}
+        halves: dict[str, Any] = {"fillstyle": "left", "mfcalt": colours[-1], "ms": size}
         ax.plot([], [], "o", mew=0.0, color=colours[0], label=UNSETTLED, **halves)
 
 

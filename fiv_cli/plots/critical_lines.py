@@ -20,7 +20,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import listed
 from fiv_cli.plots import crossings, labels, levels, points
 from fiv_cli.plots.curve_lines import PLACE
-from fiv_cli.reading.datasets import is_class
+from fiv_cli.reading.datasets import error_of, is_class
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +52,9 @@ class CriticalLines:
         """That there is no line, where no value lies within the map; places that are not known."""
         inside = any(self._pieces(panel) for panel in self.panels)
         none = f"no line of the {self._words}: no value within the map"
-        left, places = int(_is_left_open(self.dataset).sum()), self.dataset["status"].size
+        is_open, known = _is_left_open(self.dataset), self._is_known(self.dataset)
+        dims = [dim for dim in known.dims if dim not in is_open.dims]
+        left, places = int((is_open & ~known.any(dims)).sum()), self.dataset["status"].size
         told = f"{self._words}: not at {left} of {places} places ({LEFT_OPEN}: raise t_max there)"
         return [*[none] * (not inside), *[told] * bool(left)]
 
@@ -176,15 +178,22 @@ class CriticalLines:
 
     def _of_the_border(self, dataset: xr.Dataset) -> xr.DataArray:
         """Of several crossings those at which the equilibrium itself turns stable or unstable."""
-        values = dataset[self.name].where(~_is_left_open(dataset))
+        values = dataset[self.name].where(self._is_known(dataset))
         sides = [dataset[one] for one in ("unstable_below", "unstable_above") if one in dataset]
         if values.sizes.get("crossing", 1) == 1 or not sides:
             return values
         return values.where((sides[0] <= 0) | (sides[-1] <= 0))
 
+    def _is_known(self, dataset: xr.Dataset) -> xr.DataArray:
+        """Which values are such, whatever else is open at their place."""
+        plain = self.name.rpartition(":")[2]  # without the case that it is of
+        error = dataset.get(error_of(plain), dataset[self.name] * np.nan)
+        return ~_is_left_open(dataset) | np.isfinite(error)
+
 
 def _is_left_open(dataset: xr.Dataset) -> xr.DataArray:
-    """Where undecided runs leave so much open that a value is none: the middle of what may be."""
+    """Where undecided runs leave so much open that a value may be none, the middle of what may be;
+    what it may be off is not known then."""
     return is_class(dataset.get("reason", dataset["status"]), (LEFT_OPEN,))
 
 

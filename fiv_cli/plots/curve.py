@@ -34,7 +34,7 @@ from fiv_cli.plots.curve_lines import (
     told_by_bars,
 )
 from fiv_cli.plots.curve_panel import UNSEEN, draw_panel, has_marks, is_of_classes
-from fiv_cli.plots.diagram_lines import is_critical_along, mark_critical
+from fiv_cli.plots.diagram_lines import GROWTH, is_critical_along, mark_critical
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import error_of, flag_names, headlines, numbers
 
@@ -111,10 +111,10 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     dashed = _told_by_dashes(drawn, shown.bare)
     drawn = _marked_apart(drawn, dashed) if dashed else _seen_through(drawn)
     _draw_panels(axes, shown, drawn, dashed)
-    of_amplitudes = [ax for ax, own in zip(axes, shown.panels, strict=True)
-                     if any(name.endswith(AMPLITUDE) for name in own)]  # fmt: skip
-    for ax, other in product(of_amplitudes, critical):
-        mark_critical(ax, other, [one.dataset for one in layers], shown.axis)
+    for (ax, own), other in product(zip(axes, shown.panels, strict=True), critical):
+        having = [one.dataset for one in layers if GROWTH in one.dataset or GROWTH not in own]
+        if any(map(_is_zero_at_turns, own)):
+            mark_critical(ax, other, having, shown.axis, of_largest=GROWTH in own)
     gaps = ("undecided", *points.ENDED) if [*shown.parts] == ["attractor"] else ()
     points.dress(axes, _with_gaps(shown.along), shown.of_panels, gaps)
     style.add_notes(figure, [*_told(shown, [curve for _, curve in drawn], dashed)])
@@ -124,11 +124,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 def _without_critical(
     layers: Sequence[points.Layer], settings: points.Settings
 ) -> tuple[list[points.Layer], list[points.Layer]]:
-    """The layers of a figure of amplitudes, and those whose critical values lie where these begin;
-    there are none where they are what is shown."""
+    """The layers of a figure of amplitudes or growth, and those whose critical values lie where
+    these are zero; there are none where they are what is shown."""
     asked = variables_of(layers, settings)
     logarithmic = points.is_logarithmic(settings, "y")  # on which nothing is zero
-    if logarithmic or not any(name.endswith(AMPLITUDE) for name in asked):
+    if logarithmic or not any(map(_is_zero_at_turns, asked)):
         return [*layers], []
     axis = points.abscissa(layers[0].dataset, settings)
     own, found = [*layers[:1]], list[points.Layer]()
@@ -138,6 +138,11 @@ def _without_critical(
     if len(own) == 1 < len(layers) and not own[0].dataset.attrs.get("called"):
         own = [replace(own[0], label="")]  # it stands alone
     return own, found
+
+
+def _is_zero_at_turns(name: str) -> bool:
+    """Whether a variable is zero where an equilibrium turns."""
+    return name == GROWTH or name.endswith(AMPLITUDE)
 
 
 def _shown(layers: Sequence[points.Layer], settings: points.Settings) -> _Shown:

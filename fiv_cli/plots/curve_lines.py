@@ -13,6 +13,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import branch, labels, leaps, points, style
 from fiv_cli.plots.crossings import joined, modes_of, not_joined, parted
+from fiv_cli.plots.mergers import growth_at_mergers
 from fiv_cli.plots.turns import up_to_turns
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
@@ -29,6 +30,7 @@ from fiv_cli.reading.shares import ERROR, SURE, sampling_error
 if TYPE_CHECKING:
     import xarray as xr
 
+GROWTH = "growth_rate"
 VARIABLE, DATASET = "variable", "dataset"  # what tells lines apart beside dims
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 TOO_SHORT = 2  # points, at most, of a piece that does not show what its dashes are
@@ -206,6 +208,25 @@ class Curve:
         return self.ends[0] < self.ends[1]
 
 
+def _through_mergers(curve: Curve, part: xr.Dataset, axis: xr.DataArray) -> Curve:
+    """A line of growth rates with the places at which modes merge between its points."""
+    if not {"eigenvalue_real", "coupling_point"} <= {*part}:
+        return curve
+    after, places, growth = growth_at_mergers(part, axis)
+    x, y = np.insert(curve.x, after, places), np.insert(curve.y, after, growth)
+    low, high = (np.insert(end, after, growth) for end in curve.ends)
+    return replace(
+        curve,
+        x=x,
+        y=y,
+        open=np.insert(curve.open, after, False),
+        ends=(low, high),
+        error=np.insert(curve.error, after, 0.0),
+        jumps=[at + int((after <= at).sum()) for at in curve.jumps],
+        between=np.column_stack([places, growth]),
+    )
+
+
 def lines_of(
     layer: points.Layer,
     name: str,
@@ -259,7 +280,9 @@ def lines_of(
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
         of_line = x, y, open_, (ends[0], ends[1]), error, jumps
         pairs = tuple((x[at], x[at + 1]) for at in steps)
-        curves.append(Curve(told_by, *of_line, limits=limits, apart=pairs))
+        curve = Curve(told_by, *of_line, limits=limits, apart=pairs)
+        part = dataset.isel(line.index) if name == GROWTH else None
+        curves.append(curve if part is None else _through_mergers(curve, part, axis))
     return curves
 
 

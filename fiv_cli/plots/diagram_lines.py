@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,10 +35,12 @@ LONE: dict[str, Any] = {"marker": "o", "ms": 2.5}  # a cycle that no line leads 
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
 TURNS_HERE = "equilibrium turns stable or unstable"
 BETWEEN = "read between points"
+GROWTH, ROUNDING = "growth_rate", 1e-9  # of the greatest: growth that is none
 CRITICAL: dict[str, Any] = {
     "color": style.BLACK, "ls": "none", "marker": "D", "ms": 4.0, "mfc": "white", "mew": 0.9,
     "zorder": 5,
 }  # fmt: skip
+FILLS = ("white", style.BLACK, style.GREY)  # of critical values of lines that share their colours
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 
 
@@ -59,15 +62,28 @@ def is_critical_along(dataset: xr.Dataset, axis: xr.DataArray) -> bool:
 
 
 def mark_critical(
-    ax: Axes, other: points.Layer, datasets: Sequence[xr.Dataset], axis: xr.DataArray
+    ax: Axes,
+    other: points.Layer,
+    datasets: Sequence[xr.Dataset],
+    axis: xr.DataArray,
+    *,
+    colours_tell: bool = True,
+    of_largest: bool = False,
 ) -> None:
     """Where, at the parameters of each line, another dataset found that modes turn: at zero.
+
+    They have the colour of their line or, where colours tell something else, each a fill; those
+    `of_largest` growth are not of further modes that turn.
 
     Raises
     ------
     UsageError : it found nothing at these parameters
     """
-    found = [pair for dataset in datasets for pair in _critical_of_lines(other, dataset, axis)]
+    found = [
+        pair
+        for dataset in datasets
+        for pair in _critical_of_lines(other, dataset, axis, of_largest)
+    ]
     if not any(at.size for _, at in found):
         differs = listed(differing(other.dataset, datasets[0]))
         raise UsageError(
@@ -77,17 +93,21 @@ def mark_critical(
             "parameters, finds it; or draw each file by itself"
         )
     words = f"critical value of {labels.quantity(axis, str(axis.name))}"
-    colours = points.colours([ax]) if len(found) > 1 else {}
-    for label, at in found:
+    colours = points.colours([ax]) if colours_tell and len(found) > 1 else {}
+    apart = not colours_tell and 1 < len(found) <= len(FILLS)
+    fills = FILLS[: len(found)] if apart else ()
+    for (label, at), fill in zip_longest(found, fills):
         own = (of for name, of in colours.items() if {*label.split(", ")} <= {*name.split(", ")})
         told = points.unlisted(label, words) if colours else words
-        ax.plot(at, 0.0 * at, label=told, **{**CRITICAL, "color": next(own, style.BLACK)})
+        told = f"{words}: {label}" if fill else told
+        look = {"color": next(own, style.BLACK), "mfc": fill or CRITICAL["mfc"]}
+        ax.plot(at, 0.0 * at, label=told, **CRITICAL | look)
     if colours:
         ax.plot([], [], label=words, **CRITICAL)
 
 
 def _critical_of_lines(
-    other: points.Layer, dataset: xr.Dataset, axis: xr.DataArray
+    other: points.Layer, dataset: xr.Dataset, axis: xr.DataArray, of_largest: bool
 ) -> Iterator[tuple[str, np.ndarray]]:
     """What each line of a dataset along an axis is called, and its critical values."""
     along = [str(axis.dims[0]), "initial"]
@@ -95,7 +115,17 @@ def _critical_of_lines(
         own = dataset.isel(line.index)
         parts = [of_the_same(one, own) for one in (other.dataset, *other.beside)]
         met = [critical_values(part, axis) for part in parts if part is not None]
-        yield line.label, np.unique(np.concatenate([np.zeros(0), *met]))
+        values = np.unique(np.concatenate([np.zeros(0), *met]))
+        yield line.label, values[_turns_here(values, own, axis)] if of_largest else values
+
+
+def _turns_here(values: np.ndarray, line: xr.Dataset, axis: xr.DataArray) -> np.ndarray:
+    """Beside which values along an axis the growth rate of a line is not positive throughout."""
+    growth = line[GROWTH].max([dim for dim in line[GROWTH].dims if dim not in axis.dims]).values
+    order = np.argsort(points.positions(axis))
+    after = np.searchsorted(points.positions(axis)[order], values)
+    beside = growth[order][np.clip([after - 1, after], 0, order.size - 1)]
+    return np.asarray(beside.min(axis=0) <= ROUNDING * np.nanmax(np.abs(growth)))
 
 
 def _changes_along(

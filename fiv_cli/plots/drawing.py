@@ -264,8 +264,17 @@ def _drawn(
         without = [one.dataset.attrs.get("without", "") for one in layers]
         told = {"", *without[:1]} if style.has_titles() else {""}  # a title tells that of the first
         untold = dict.fromkeys(word for word in without if word not in told)
-        style.add_notes(drawn, [*changed(_lined(figure)), *untold, *_untitled(files, figure)])
+        untitled = [*_untitled(files, figure), *_caption(drawn, layers)]
+        style.add_notes(drawn, [*changed(_lined(figure)), *untold, *untitled])
         return drawn
+
+
+def _caption(drawn: Figure, layers: Sequence[Layer]) -> list[str]:
+    """What stands below the title where figures have one."""
+    title = title_of(layers[0].dataset.attrs)
+    told = str(drawn.get_label()).removeprefix(title).split("\n")
+    words = "; ".join(filter(None, told))
+    return [f"for the caption: {words}"] * bool(words and not style.has_titles())
 
 
 def _untitled(files: Sequence[_File], figure: FigureSpec) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
 from fiv_cli.plots.diagram_lines import mark_critical
 from fiv_cli.plots.drawn import DECORATION, in_one_line, leave_out
+from fiv_cli.plots.mergers import mergers
 from fiv_cli.reading import select
 
 if TYPE_CHECKING:
@@ -37,6 +38,9 @@ DOTS: dict[str, Any] = {
 
 # Of all that a panel shows: a distance of two lines that is not seen; at which share of points.
 UNSEEN, MOSTLY = 5e-3, 0.9
+FEWEST_HIDDEN = 2  # points: two lines that cross share so many
+BENEATH: Any = (0, (4.0, 4.0))  # dashes of what lies beneath, upon it
+_Drawn: TypeAlias = "tuple[np.ndarray, np.ndarray, ColorType]"
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -71,7 +75,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         0.0, color=style.GREY, lw=0.8, zorder=1.8, label=DECORATION
     )  # under growth of 0
     for other in others:
-        mark_critical(axes[0], other, [dataset], axis)
+        mark_critical(axes[0], other, [dataset], axis, colours_tell=False)
     points.dress_axis(axes[1], axis, "x")
     points.mark_gaps(axes, [first], own[-1])
     points.legend(axes)
@@ -93,16 +97,17 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
     colours = [c for c in style.line_colours(len(modes) + 1) if c != style.VERMILLION]
     drawn: dict[str, ColorType] = {}
     of_modes: dict[str, list[tuple[str, np.ndarray]]] = {}
+    hidden = list[str]()
     look = BAND if len(lines) > 1 else DOTS
     for number, line in enumerate(lines):
-        part = dataset.isel(line.index)
+        part, beneath = dataset.isel(line.index), list[_Drawn]()
         for (mode, name_of_mode), colour in zip(modes.items(), colours, strict=False):
             y, growth = (part[one].isel(mode=mode).values for one in (name, PARTS[0]))
             if not np.any(np.isfinite(y)):
                 continue  # under other options the model has more modes
             dash = style.dash(number, len(lines))
             label = points.unlisted(name_of_mode, line.label)
-            after, places, values = _mergers(part, axis, mode)
+            after, places, values = mergers(part, axis, mode)
             met = values.real if name == PARTS[0] else _frequencies(values, part[name])
             whole = np.insert(x, after, places), np.insert(y, after, met)
             (drawn_line,) = ax.plot(*whole, ls=dash, color=colour, label=label)
@@ -110,7 +115,13 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             drawn |= {name_of_mode: colour}
             of_modes.setdefault(name_of_mode, []).append((line.label, y))
             _mark(ax, *whole, np.insert(growth, after, values.real), look)
+            if _show_through(ax, whole, dash, beneath, dataset[name]):
+                hidden.append(line.label)
+            beneath.append((*whole, colour))
     style.add_notes(ax.figure.figure, [*_upon_one_another(dataset[name], of_modes)])
+    of = " and ".join(map(in_one_line, dict.fromkeys(hidden)))
+    told = f"{name}: modes lie upon one another along a part of {of}, where one colour is seen"
+    style.add_notes(ax.figure.figure, [told] * bool(hidden))
     for place in np.unique(np.linspace(0, len(drawn) - 1, MOST_NAMED).astype(int)):
         ax.plot([], [], "-", color=[*drawn.values()][place], label=[*drawn][place])
     for number, line in enumerate(lines if len(lines) > 1 else ()):
@@ -120,11 +131,39 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
         ax.plot([], [], label="unstable", **(look if look is DOTS else look | {"marker": "None"}))
 
 
+def _show_through(
+    ax: Axes,
+    line: tuple[np.ndarray, np.ndarray],
+    dash: Any,
+    beneath: Sequence[_Drawn],
+    variable: xr.DataArray,
+) -> bool:
+    """Dashes in the colour of the first mode that lies beneath another, as those that merged do.
+
+    On a line that has dashes these would not be seen: tells whether any lies beneath it.
+    """
+    x, y = line
+    for its_x, its_y, colour in beneath:
+        order = np.argsort(its_x)
+        hidden = np.abs(np.interp(x, its_x[order], its_y[order]) - y) <= _unseen(variable)
+        if hidden.sum() > FEWEST_HIDDEN:
+            if dash == "-":
+                shown = np.where(hidden, y, np.nan)
+                ax.plot(x, shown, ls=BENEATH, color=colour, label=DECORATION)
+            return dash != "-"
+    return False
+
+
+def _unseen(variable: xr.DataArray) -> float:
+    """A distance of two lines of a variable that is not seen."""
+    return UNSEEN * (float(variable.max()) - float(variable.min()))
+
+
 def _upon_one_another(
     variable: xr.DataArray, of_modes: Mapping[str, Sequence[tuple[str, np.ndarray]]]
 ) -> Iterator[str]:
     """That lines of one mode are one nearly everywhere, to what is seen: one hides the other."""
-    least = UNSEEN * (float(variable.max()) - float(variable.min()))
+    least = _unseen(variable)
     pairs = [
         (mode, one, other)
         for mode, lines in of_modes.items()
@@ -138,38 +177,6 @@ def _upon_one_another(
             f"{variable.name}: {mode} is one line at {in_one_line(one)} and {in_one_line(other)}, "
             f"nearly everywhere{more}; select in the figure draws one of them alone"
         )
-
-
-def _mergers(
-    part: xr.Dataset, axis: xr.DataArray, mode: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Before which points of a line a mode merges with another, where, and its eigenvalue there.
-
-    That is in rad/s. The mean of both modes is smooth there, and so is the square of their
-    difference, whose real part is zero.
-    """
-    none = np.zeros(0, int), np.zeros(0), np.zeros(0, complex)
-    if part.get("coupling_point", axis).attrs.get("along") != axis.name:
-        return none
-    at = [str(axis.dims[0]), "mode"]
-    places = part["coupling_point"].transpose(*at).values
-    real, imaginary = (part[f"eigenvalue_{one}"].transpose(*at).values for one in ("real", "imag"))
-    values, x, found = real + 1j * imaginary, points.positions(axis), []
-    for point in np.flatnonzero(np.isfinite(places[:, mode])).tolist():
-        same_side = values[point].imag * values[point, mode].imag > 0.0
-        alike = np.flatnonzero((places[point] == places[point, mode]) & same_side)
-        other = next((n for n in alike.tolist() if n != mode), mode)
-        pair = values[point : point + 2, [mode, other]]
-        share = (places[point, mode] - x[point]) / (x[point + 1] - x[point])
-        mean, apart = pair.mean(axis=1), pair[:, 0] - pair[:, 1]
-        squares = (apart**2).imag
-        half = 0.5 * np.sqrt(1j * (squares[0] + share * (squares[1] - squares[0])))
-        half *= -1.0 if (half * apart[0].conjugate()).real < 0.0 else 1.0
-        found.append((point + 1, places[point, mode], mean[0] + share * (mean[1] - mean[0]) + half))
-    if not found:
-        return none
-    after, where, met = map(np.array, zip(*found, strict=True))
-    return after, where, met
 
 
 def _frequencies(values: np.ndarray, frequency: xr.DataArray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -202,8 +203,9 @@ def values_along(axes: Sequence[xr.DataArray], index: int) -> list[str]:
 def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     r"""What to call each of several datasets in one figure: what they differ in, else their files.
 
-    That is the law, or one or two fixed parameters: ``stribeck``; ``$c_1$ = $c_2$ = 3 N s/m``; or
-    settings (``follow = up``) of the same starts, or those parameters that others vary.
+    That is the law, or one or two fixed parameters or options: ``stribeck``; ``$c_1$ = $c_2$ = 3 N
+    s/m``; ``$V_2$ = $V_1$``; or settings (``follow = up``) of the same starts, or those parameters
+    that others vary.
     """
     datasets = [dataset for _, dataset in files]
     laws = [str(one.attrs.get("law", "")) for one in datasets]
@@ -244,7 +246,14 @@ def _differing_settings(datasets: Sequence[xr.Dataset]) -> list[str]:
     shared = [key for key in each[0] if all(key in one for one in each)]
     keys = [key for key in shared if any(one[key] != each[0][key] for one in each)]
     few = keys if len(keys) <= MOST_PARAMETERS else []
-    return [", ".join(f"{key.rpartition('.')[2]} = {one[key]}" for key in few) for one in each]
+    return [
+        ", ".join(f"{key.rpartition('.')[2]} = {_plain(one[key])}" for key in few) for one in each
+    ]
+
+
+def _plain(value: object) -> str:
+    """A setting as a case gives it: ``1000`` of a float."""
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _fixed_of_axes(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> str:
@@ -267,8 +276,38 @@ def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
     for values in fixed_otherwise(datasets):
         numbers = (one.item() for one in values)
         differ.setdefault((values[0].attrs.get("units"), *numbers), []).append(values)
-    few = differ.values() if len(differ) <= MOST_PARAMETERS else ()
-    return [[*map(_equal, zip(*values, strict=True))] for values in few]
+    chosen = _chosen_otherwise(datasets)
+    few = differ.values() if len(differ) + len(chosen) <= MOST_PARAMETERS else ()
+    return [*([*map(_equal, zip(*values, strict=True))] for values in few), *chosen]
+
+
+def _chosen_otherwise(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
+    """Of options, and of parameters that some tie to another one, what each dataset has."""
+    options = [json.loads(one.attrs.get("options_json", "{}")) for one in datasets]
+    ties = [_ties(one) for one in datasets]
+    names = dict.fromkeys(name for one in (*options, *ties) for name in one)
+    each = [
+        [_chosen(name, *own) for own in zip(datasets, options, ties, strict=True)] for name in names
+    ]
+    return [words for words in each if len({*words}) > 1]
+
+
+def _ties(dataset: xr.Dataset) -> dict[str, str]:
+    """Parameter -> the one whose value it takes, as the name of the model tells: ``V2 = V1``."""
+    _, *said = str(dataset.attrs.get("model", "")).split(" + ")
+    return dict(text.split(" = ") for text in said if " = " in text)
+
+
+def _chosen(
+    name: str, dataset: xr.Dataset, options: Mapping[str, object], ties: Mapping[str, str]
+) -> str:
+    """What a dataset has of an option or a parameter that others tie; "" where it is an axis."""
+    if name in ties:
+        return f"${symbol_of_name(name)}$ = ${symbol_of_name(ties[name])}$"
+    if name in options:
+        return f"{name} = {options[name]}"
+    fixed = name in dataset.coords and _is_one_number(dataset[name])
+    return _equal([dataset[name]]) if fixed else ""
 
 
 def fixed_otherwise(datasets: Sequence[xr.Dataset]) -> list[list[xr.DataArray]]:

@@ -73,16 +73,16 @@ def _draw(laws: Sequence[Given], fastest: float) -> Figure:
         look = {"color": colour, "ls": style.dash(number, len(laws))}
         _curve(ax, given, fastest, look, alone=len(laws) == 1)
     if len(laws) > 1:  # upon one another they would not be told apart
-        held = max((_held(*given) for given in laws), default=0.0)
-        ax.plot([0.0, 0.0], [-held, held], STICK, color=style.BLACK, lw=1.2, label=DECORATION)
+        _mark_held(ax, laws)
     forces = [not _scales_with_load(law) for law, _ in laws]
     ratio = "$F_T/F_N$"
     if any(forces) and not all(forces):
         raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
     ax.set_ylabel("$F_T$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
-    marks: dict[str, Any] = {"marker": "_", "ms": TICK, "mew": 1.2} if len(laws) > 1 else {}
-    told = f"held in stick{', to the mark of each' * bool(marks)}"
+    several = len({_held(*given) for given in laws} - {0.0}) > 1
+    marks: dict[str, Any] = {"marker": "_", "ms": TICK, "mew": 1.2} if several else {}
+    told = f"held in stick{': each law to its mark' * several}"
     ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label=told, **marks)
     legends.colour_keys([ax])
     legends.legend_below(figure, legends.told_in([ax])[0])
@@ -130,6 +130,16 @@ def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any], alone: 
     if held := _held(*given):
         line = {"ls": STICK, "lw": 1.2} if alone else {"ls": "none", "marker": "_", "ms": TICK}
         ax.plot([0.0, 0.0], [-held, held], **look | line, label=f"_{name}, held in stick")
+
+
+def _mark_held(ax: Axes, laws: Sequence[Given]) -> None:
+    """One line of what any law holds, with a mark at its ends of each; black of all that agree."""
+    held = [_held(*given) for given in laws]
+    look: dict[str, Any] = {"color": style.BLACK, "lw": 1.2, "label": DECORATION}
+    ax.plot([0.0, 0.0], [-max(held), max(held)], STICK, **look)
+    for alike in {value for value in held if value and held.count(value) > 1}:
+        ends = {"ls": "none", "marker": "_", "ms": TICK, "zorder": 3}
+        ax.plot([0.0, 0.0], [-alike, alike], **look | ends)
 
 
 def _held(law: Law, parameters: Mapping[str, float]) -> float:

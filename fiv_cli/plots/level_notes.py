@@ -41,7 +41,7 @@ def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]
     for number, level in enumerate(levels):
         sides = {beside(plane, level) for panel in panels for plane in panel[number]}
         if "" not in sides:
-            yield f"no line {words(array, level, levels)}: {' or '.join(sorted(sides))}"
+            yield f"no line {_typed(array, level, levels)}: {' or '.join(sorted(sides))}"
 
 
 def unwritten(
@@ -105,7 +105,7 @@ def broken(
         )
         if ends > 1:
             yield (
-                f"{words(array, level, levels)}: its line has gaps, where points are undecided; a "
+                f"{_typed(array, level, levels)}: its line has gaps, where points are undecided; a "
                 "longer t_max of the analysis decides most"
             )
 
@@ -155,7 +155,7 @@ def scattered(
     for number, level in enumerate(levels):
         if (islands := _count_islands(panels, number, level)) >= MANY_ISLANDS:
             yield (
-                f"{words(array, level, levels)}: its line falls into {islands} islands of "
+                f"{_typed(array, level, levels)}: its line falls into {islands} islands of "
                 f"{ISLAND} points or fewer, as along a ridge: a larger num, or another level"
             )
 
@@ -356,6 +356,11 @@ def _is_passed(part: np.ndarray, level: float) -> bool:
 def _passed(cells: np.ndarray, level: float) -> np.ndarray:
     """In which cells, some of whose points are known, the level lies between two of these."""
     return np.asarray((np.nanmin(cells, axis=1) <= level) & (level < np.nanmax(cells, axis=1)))
+
+
+def _typed(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:
+    """A level by the name that a case has it by."""
+    return f"{array.name} = {labels.number_text(level, levels)}"
 
 
 def words(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:

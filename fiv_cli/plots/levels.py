@@ -350,7 +350,7 @@ def _name(
         told = {level: labels.number_text(level, levels)}
         for text_ in ax.clabel(lines, fmt=told, **look) if places else ():
             upwards = (text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
-            text_.set(bbox=WHITE, zorder=OVER_MARKS, rotation=0.0)
+            text_.set(zorder=OVER_MARKS, rotation=0.0, **_ground(lines))
             _begin_beside(ax, lines, text_)
             text_.set_rotation(min(upwards, 90.0))  # none is turned over
     beside = set()
@@ -359,6 +359,11 @@ def _name(
         text = labels.number_text(level, levels)
         beside |= {level} if _write_beside(ax, lines, text, [*others, *crossing], marks) else set()
     return beside | {level for _, level, places in found if places}
+
+
+def _ground(lines: QuadContourSet) -> dict[str, Any]:
+    """What a written level stands on: over shades these, with a rim as its line has."""
+    return {"path_effects": HALO} if lines.get_path_effects() else {"bbox": WHITE}
 
 
 def _begin_beside(ax: Axes, lines: QuadContourSet, text: Text) -> None:
@@ -424,9 +429,9 @@ def _write_beside(
         nearest = own[np.linalg.norm(own - place, axis=1).argmin()]
         here, foot = map(tuple, ax.transData.inverted().transform([place, nearest]).tolist())
         colour, size = lines.get_edgecolor()[0], mpl.rcParams["legend.fontsize"]
-        look = {"ha": "center", "va": "center", "bbox": WHITE, "zorder": OVER_MARKS}
+        look: dict[str, Any] = {"ha": "center", "va": "center", "zorder": OVER_MARKS}
         ax.annotate(text, foot, here, fontsize=size, color=colour,
-                    arrowprops={**STROKE, "color": colour}, **look)  # fmt: skip
+                    arrowprops={**STROKE, "color": colour}, **look, **_ground(lines))  # fmt: skip
     return bool(free.any())
 
 

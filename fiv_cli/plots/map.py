@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.collections import QuadMesh
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
@@ -46,6 +47,9 @@ SIDE = 6  # letters beside a panel that its ticks take
 MOST_FOLDED = 1.5  # lines that a label of one of several panels may take, else its symbol alone
 HATCH = "////"
 UNDECIDED = "undecided"
+RIM = 0.5  # pt: of points that lines would cover
+# Values of an axis that all have a tick where their steps differ by more: cells lie half-way.
+FEW, UNEVEN = 8, 1.5
 FINE = 40  # points along an axis, of which more have cells as narrow as a line
 MOST_COUNTS = 12  # that have a shade each
 MIDDLE = "undecided points: middle of least and greatest"
@@ -550,9 +554,19 @@ def _dress(ax: Axes, number: int, columns: int, planes: _Planes) -> None:
         if columns > 1 and style.longest([ax.get_xlabel()]) > MOST_FOLDED * room:
             ax.set_xlabel(labels.short_label(planes.axes[0]))
         ax.tick_params(labelbottom=True)
+        _tick_few(ax.xaxis, planes.axes[0])
     if number % columns == 0:
         points.dress_axis(ax, planes.axes[1], "y")
+        _tick_few(ax.yaxis, planes.axes[1])
     ax.set_title(planes.panels[number].label)
+
+
+def _tick_few(drawn: Axis, axis: xr.DataArray) -> None:
+    """A tick at each of a few values that are far from even: their cells do not show where."""
+    values = points.positions(axis)
+    steps = np.abs(np.diff(values))
+    if 2 < values.size <= FEW and steps.max() > UNEVEN * steps.min():
+        drawn.set_ticks(values)
 
 
 def _paint_classes(
@@ -566,6 +580,7 @@ def _paint_classes(
     colours = style.class_colours(list(present.values()))
     order = [colours[list(present).index(code)] for code in sorted(present)]
     codes = {name: code for code, name in present.items()}
+    rims = set()
     for ax, panel in zip(axes, planes.panels, strict=False):
         place = np.searchsorted(sorted(present), planes.of(array, panel)).astype(float)
         place[~planes.of(known, panel)] = np.nan
@@ -575,8 +590,14 @@ def _paint_classes(
         hatch(ax, np.isnan(place))
         if lines and UNDECIDED in present.values() and max(place.shape) > FINE:
             _mark_covered(ax, planes, place == sorted(present).index(codes[UNDECIDED]))
+            rims.add(UNDECIDED)
     handles = [
-        Patch(color=colour, label=name.replace("_", " "))
+        Patch(
+            fc=colour,
+            ec=style.BLACK if name in rims else colour,
+            lw=RIM,
+            label=name.replace("_", " "),
+        )
         for colour, name in zip(colours, present.values(), strict=True)
     ]
     legend_below(figure, [*handles, *lines], why_missing(dataset, known))
@@ -591,7 +612,7 @@ def _mark_covered(ax: Axes, planes: _Planes, undecided: np.ndarray) -> None:
 def _dot(ax: Axes, planes: _Planes, mask: np.ndarray, **look: Any) -> list[Line2D]:
     """Marks on the points of a panel that are in a mask, over the lines on it."""
     (rows, columns), (x, y) = np.nonzero(mask), planes.places
-    edge: dict[str, Any] = {"mec": style.BLACK, "mew": 0.5, "ms": 2.5, "ls": "none", "zorder": 4}
+    edge: dict[str, Any] = {"mec": style.BLACK, "mew": RIM, "ms": 2.5, "ls": "none", "zorder": 4}
     return ax.plot(x[columns], y[rows], **edge, **look)
 
 

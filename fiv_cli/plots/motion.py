@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from fiv_cli.case.identity import STEADY_STATE
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import ENDED_EARLY, MOTION_OF_A_CYCLE
+from fiv_cli.notation.names import listed, suggest
 from fiv_cli.plots import labels, points
 from fiv_cli.reading import sampling, select
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
@@ -28,6 +29,7 @@ CONTACT_STATES = {
     "separation": "separation",
 }
 STICKING = 1e-6  # of what changes on the other side of an event: where less does
+CLOSE = 1e-9  # share of a motion: an event so near to its end is there
 END: dict[str, Any] = {"marker": "X", "ms": 6.0, "color": "black", "mew": 0.0, "ls": "none"}
 # Forces and powers jump where a contact changes; all else does so at an impact only.
 JUMPING = ("N", "W")
@@ -66,8 +68,15 @@ class Motion:
 
     @cached_property
     def drawn_time(self) -> np.ndarray:
-        """The samples and, twice, each instant, s."""
-        return np.insert(self.time, *self._pairs(self.instants, self.instants))
+        """The samples and, twice, each instant, s; of one at the end what is before it."""
+        whole = np.insert(self.time, *self._pairs(self.instants, self.instants))
+        return whole[:-2] if self._ends_at_an_instant else whole
+
+    @property
+    def _ends_at_an_instant(self) -> bool:
+        """Whether its last sample is what comes after an event there, as of whole periods."""
+        close = CLOSE * np.ptp(self.time) if self.time.size else 0.0
+        return bool(self.instants.size and self.time[-1] - self.instants[-1] <= close)
 
     def is_coarse(self, *names: str) -> bool:
         """Whether a curve through the samples of one of these variables would be invented."""
@@ -118,7 +127,8 @@ class Motion:
             # friction has bounds: no value is drawn beyond those of samples
             bounds = np.nanmin(values), np.nanmax(values)
             before, after = np.clip(before, *bounds), np.clip(after, *bounds)
-        return np.insert(values, *self._pairs(before, after))
+        whole = np.insert(values, *self._pairs(before, after))
+        return whole[:-2] if self._ends_at_an_instant else whole
 
     def jumps(self, name: str, values: np.ndarray) -> np.ndarray:
         """How far a variable jumps at each of the instants, in its unit."""
@@ -249,7 +259,8 @@ def known_variable(dataset: xr.Dataset, name: str) -> str:
     refuse_without(dataset)
     if name not in dataset or "time" not in dataset[name].dims:
         known = [str(n) for n, v in dataset.data_vars.items() if "time" in v.dims]
-        raise UsageError(f"{name}: no variable over time\nthere are: {', '.join(known)}")
+        hint = suggest(name, known) or f"there are: {', '.join(known)}"
+        raise UsageError(f"{name}: no variable over time\n{hint}")
     return name
 
 
@@ -382,6 +393,17 @@ def without_colours(
                 f"contact {contact}: where it sticks is marked, and no panel has the colours of "
                 'its slip; a variable that contacts have, such as "F_T", has a panel for each'
             )
+
+
+def of_joint_stick(every: Sequence[Motion], names: Sequence[str]) -> Iterator[str]:
+    """Which forces of contacts are not those of the motion alone, if any of them is drawn."""
+    for one in every:
+        assumed = str(one.data.attrs.get("assumed_of_contacts", ""))
+        states = one.data["contact_state"]
+        of_each = [n for n in names if "contact" in one.data[n].dims and n != states.name]
+        if assumed and of_each and is_class(states, ("stick",)).all("contact").any():
+            yield f"{listed(of_each)} where all contacts stick: {assumed}"
+            return
 
 
 def named_contact(dataset: xr.Dataset, *settings: points.Settings) -> str:

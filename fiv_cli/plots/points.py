@@ -17,6 +17,7 @@ from matplotlib.ticker import FixedLocator
 from fiv_cli.case.overrides import parse_override
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import ENDED_EARLY
+from fiv_cli.notation.names import suggest
 from fiv_cli.notation.units import parse_unit
 from fiv_cli.plots import labels, legends, style
 from fiv_cli.plots.drawn import DECORATION, LEFT_OUT
@@ -149,7 +150,8 @@ def known_variable(dataset: xr.Dataset, name: str) -> str:
     """`name`, when the dataset has such a variable; UsageError otherwise."""
     known = [str(variable) for variable in dataset.data_vars]
     if name not in known:
-        raise UsageError(f"{name}: not in this dataset\nit has: {', '.join(known)}")
+        hint = suggest(name, known) or f"it has: {', '.join(known)}"
+        raise UsageError(f"{name}: not in this dataset\n{hint}")
     return name
 
 

@@ -263,7 +263,8 @@ def worded(text: str) -> str:
     """A text in the words that the figure has in place of others, which are no part of formulas.
 
     They are matched as they are written, or as a figure shows them: ``of v`` is ``of $v$``, and
-    ``contact 1`` may be ``contact = 1``. All of a text may be as tables have it: ``L_s = 1 m^2``.
+    ``contact 1`` may be ``contact = 1``. All of a text, and each of those that an entry names
+    (``modes merge: A and B``), may be as tables have it: ``L_s = 1 m^2``.
     """
     own, met = _WORDS.get(), _MET.get()
     if not own or met is None:
@@ -276,8 +277,9 @@ def worded(text: str) -> str:
             *_CALLED.get().get(word, ()),
         )
     }
-    if (plain := drawn.in_one_line(text)) in own:
-        spelt[text] = plain
+    parts = (text, *re.split(r": | and ", text))
+    plain = ((part, drawn.in_one_line(part)) for part in parts)
+    spelt |= {part: told for part, told in plain if told in own}
     longest = "|".join(map(_matched, sorted(spelt, key=len, reverse=True)))
     known = rf"(?<!\w)(?:{longest})(?!\w|\.\d)|\$[^$]*\$"
     met.update(spelt[one] for one in re.findall(known, text) if one in spelt)

@@ -140,19 +140,38 @@ def _answer(journal: Journal, index: int) -> Answer:
 
 
 def _found(journal: Journal, index: int) -> Iterator[str]:
-    """``boundary 6.84 to 14.83 rad s-1 (9)``: the range of what is asked for, and how many."""
+    """``boundary 6.84 to 14.83 rad s-1 (9, within 2e-07)``: the range of what is asked for, how
+    many there are, and how far they may be off."""
+    from fiv_cli.reading.datasets import error_of
+
     variables = journal.plan.analyses[index].layout.variables
     for variable in (one for one in variables if one.headline and one.kind == "float"):
-        blocks = [
-            np.ravel(block.values[variable.name][positions >= 0])  # what the grid has by now
-            for positions, block in journal.blocks(index)
-            if variable.name in block.values
-        ]
-        values = np.concatenate([np.zeros(0), *blocks])
-        values = values[np.isfinite(values)]
+        values = _values_of(journal, index, variable.name)
+        errors = _values_of(journal, index, error_of(variable.name))
+        known = np.isfinite(values)
+        off = _how_exact(errors[known]) if errors.size == known.size else ""
+        values = values[known]
         ends = {f"{end:.6g}": None for end in (values.min(), values.max())} if values.size else {}
         unit = "" if variable.units == "1" else f" {variable.units}"
-        yield f"{variable.name} {' to '.join(ends) or 'none'}{unit} ({values.size})"
+        count = f"{values.size}{off}"
+        yield f"{variable.name} {' to '.join(ends) or 'none'}{unit} ({count})"
+
+
+def _how_exact(errors: NDArray[Any]) -> str:
+    """How far values may be off, and of how many that is not known."""
+    known = errors[np.isfinite(errors)]
+    within = f", within {known.max():.2g}" if known.size else ""
+    return within + f", {errors.size - known.size} by an unknown error" * (known.size < errors.size)
+
+
+def _values_of(journal: Journal, index: int, name: str) -> NDArray[Any]:
+    """What the points of the grid have of a variable by now; nothing of what there is not."""
+    blocks = [
+        np.ravel(block.values[name][positions >= 0])
+        for positions, block in journal.blocks(index)
+        if name in block.values
+    ]
+    return np.concatenate([np.zeros(0), *blocks])
 
 
 def _followed(journal: Journal) -> list[StartSpec]:
