@@ -1062,7 +1062,8 @@ def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
     assert style.notes_on(draw(dataset, asked)) == []
     dataset["L_s"] = dataset["L_s"].copy(data=values.transpose(1, 0, 2))
     close = figure("map", variable="L_s", level=[0.5 + 0.001 * n for n in range(8)])
-    notes = style.notes_on(draw(dataset, close, look=look_of("paper", width=50.0)))
+    *notes, caption = style.notes_on(draw(dataset, close, look=look_of("paper", width=50.0)))
+    assert caption.startswith("for the caption: start: ")
     assert all(note.startswith("L_s = 0.5") for note in notes)
     assert ["told in the legend alone" in note for note in notes] == [True, False]
 
@@ -1095,7 +1096,7 @@ def test_gaps_of_a_line_where_points_are_undecided_are_told(overlay):
     undecided = data.codes(data.ATTRACTORS, "undecided")
     dataset["attractor"].values[between : between + 2, 7:9] = undecided
     (note,) = style.notes_on(draw(dataset, asked))
-    assert note.startswith("$L_s$ = 0.31") and "its line has gaps" in note
+    assert note.startswith("L_s = 0.31 rad") and "its line has gaps" in note
     along = np.linspace(0.0, 1.0, 20)
     dataset["L_s"].values[:] = (along[:, None] + along)[..., None]
     dataset["L_s"].values[4, 8] = np.nan  # alone, across the corner of which the line would lead
@@ -1104,7 +1105,7 @@ def test_gaps_of_a_line_where_points_are_undecided_are_told(overlay):
     assert style.notes_on(draw(dataset, slanted)) == []
     dataset["attractor"].values[4, 8] = undecided
     (note,) = style.notes_on(draw(dataset, slanted))
-    assert note.startswith("$L_s$ = 0.63") and "its line has gaps" in note
+    assert note.startswith("L_s = 0.63") and "its line has gaps" in note
 
 
 def test_islands_that_the_grid_does_not_tell_are_told():

@@ -503,7 +503,7 @@ def test_of_whole_periods_a_spectrum_has_upright_lines_at_their_harmonics(period
     (both,) = draw(found, figure("spectrum", variable=["phi", "theta"])).axes
     assert both.get_ylim()[1] == pytest.approx(1.05)
     wide = figure("spectrum", variable=["phi", "theta"], xlim=[0.0, 200.0])
-    (note,) = style.notes_on(draw(found, wide, look=look_of("paper", width=84.0)))
+    note, _ = style.notes_on(draw(found, wide, look=look_of("paper", width=84.0)))
     assert note.startswith("lines of 2 spectra stand side by side, here up to 0.")
     assert style.notes_on(both.figure) == []  # of 10 Hz
     for look in ("screen", "paper", "talk"):

@@ -41,7 +41,7 @@ def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]
     for number, level in enumerate(levels):
         sides = {beside(plane, level) for panel in panels for plane in panel[number]}
         if "" not in sides:
-            yield f"no line {_typed(array, level, levels)}: {' or '.join(sorted(sides))}"
+            yield f"no line {words(array, level, levels)}: {' or '.join(sorted(sides))}"
 
 
 def unwritten(
@@ -360,7 +360,8 @@ def _passed(cells: np.ndarray, level: float) -> np.ndarray:
 
 def _typed(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:
     """A level by the name that a case has it by."""
-    return f"{array.name} = {labels.number_text(level, levels)}"
+    unit = labels.unit_text(str(array.attrs.get("units", "1")))
+    return f"{array.name} = {labels.number_text(level, levels)} {unit}".rstrip()
 
 
 def words(array: xr.DataArray, level: float, levels: Sequence[float]) -> str:
