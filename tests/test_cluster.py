@@ -124,6 +124,7 @@ def test_a_process_that_died_once_costs_nothing(tmp_path: Path, cluster: Loopbac
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+@pytest.mark.campaign
 def test_a_wall_clock_limit_ends_one_point(tmp_path: Path, cluster: LoopbackCluster) -> None:
     summary = sweep(
         tmp_path / "a.nc", sweep_fakes.BELT, cluster, executor="sweep_fakes:endless", time_limit=0.5
@@ -266,6 +267,7 @@ def _kill_when_something_is_stored(cluster: LoopbackCluster, folder: Path) -> No
     cluster.kill_scheduler()
 
 
+@pytest.mark.campaign
 def test_ctrl_c_and_the_same_command_again(tmp_path: Path, cluster: LoopbackCluster) -> None:
     (tmp_path / "case.toml").write_text(CASE)
     command = ("run", "case.toml", "-o", "a.nc", "--cluster", cluster.address)

@@ -159,6 +159,7 @@ def test_a_contact_spring_against_the_independent_program(options: dict[str, str
         assert {"slip+->separation", "separation->slip+"} <= set(found)
 
 
+@pytest.mark.campaign
 def test_a_contact_spring_on_an_accelerating_disc() -> None:
     turn = [(0.0, 10.0), (0.2, 20.0)]
     assert len(agrees(sprung(turn=turn, t_end=0.19), FEWER)) == FEWER

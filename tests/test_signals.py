@@ -50,29 +50,21 @@ def finished(folder: Path, text: str, *options: str) -> bytes:
 
 
 @pytest.fixture(scope="module")
-def datasets(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """Case text -> its dataset."""
-    return {t: finished(tmp_path_factory.mktemp("undisturbed"), t) for t in (POINTS, GROUPS)}
-
-
-@pytest.fixture(scope="module")
 def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run directory with all the points of GROUPS."""
+    """A run directory with all the points of GROUPS, and beside it their dataset."""
     folder = tmp_path_factory.mktemp("stored")
     finished(folder, GROUPS)
     return folder / "a.run"
 
 
+@pytest.fixture(scope="module")
+def datasets(tmp_path_factory: pytest.TempPathFactory, stored: Path) -> dict[str, bytes]:
+    """Case text -> its dataset."""
+    points = finished(tmp_path_factory.mktemp("undisturbed"), POINTS)
+    return {POINTS: points, GROUPS: stored.with_suffix(".nc").read_bytes()}
+
+
 # --- one fault each -------------------------------------------------------------------------------
-def test_without_any_other_program(tmp_path: Path, datasets: dict[str, bytes]) -> None:
-    """No `pgrep`, no `ps`, no psutil: as in an image with Python alone."""
-    (tmp_path / "psutil.py").write_text("raise ImportError")
-    bare = {"PATH": "", "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
-    with run(tmp_path, POINTS, *WORKERS, environment=bare) as alone:
-        assert alone.code() == 0
-    assert (tmp_path / "a.nc").read_bytes() == datasets[POINTS]
-
-
 @pytest.mark.parametrize("number", ENDING)
 def test_a_long_integration_is_ended(tmp_path: Path, number: signal.Signals) -> None:
     with run(tmp_path, ENDLESS, "--workers", "1") as endless:
@@ -159,8 +151,13 @@ def test_a_second_ctrl_c(tmp_path: Path, pause: float) -> None:
         assert "Traceback" not in impatient.said
 
 
-def test_what_is_ignored_on_entry_stays_ignored(tmp_path: Path, datasets: dict[str, bytes]) -> None:
-    with run(tmp_path, POINTS, *WORKERS, entry=ignoring) as background:
+def test_what_is_ignored_on_entry_stays_ignored_without_any_other_program(
+    tmp_path: Path, datasets: dict[str, bytes]
+) -> None:
+    """No `pgrep`, no `ps`, no psutil: as in an image with Python alone."""
+    (tmp_path / "psutil.py").write_text("raise ImportError")
+    bare = {"PATH": "", "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
+    with run(tmp_path, POINTS, *WORKERS, environment=bare, entry=ignoring) as background:
         wait_for(lambda: len(background.processes()) >= 3, "no workers")
         for number in ENDING:
             background.send(number, to_all=True)

@@ -563,6 +563,7 @@ def test_a_point_that_kills_its_worker_twice_is_one_failed_point(
     assert (tmp_path / "a.nc").read_bytes() == (tmp_path / "b.nc").read_bytes()
 
 
+@pytest.mark.campaign
 def test_a_death_within_the_limit_is_no_matter_of_time(tmp_path: Path) -> None:
     summary = sweep(tmp_path / "a.nc", executor="sweep_fakes:deadly", time_limit=30.0)
     assert summary.counts["failed"] == 2
