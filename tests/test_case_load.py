@@ -858,6 +858,7 @@ class TestOverrides:
             ("modl.name=1", "modl", "did you mean 'model'"),
             ("model.parameters.n=1", "model.parameters.n", "did you mean 'N'"),
             ("model.parameters.v_belt=1", "model.parameters.v_belt", "here it is 'v'"),
+            ("model.parameters.k1=1", "model.parameters.k1", "here it is 'k'"),
             ("model.parameters.m=-1", "model.parameters.m", ""),
             ("analysis.histori.t_end=1", "analysis.histori.t_end", "did you mean 'history'"),
             ("analysis.3.t_end=1", "analysis.3.t_end", "there are: 0, history"),
@@ -869,6 +870,17 @@ class TestOverrides:
         assert (problem.path, problem.override) == (path, text)
         assert problem.line is None
         assert problem.suggestion.startswith(suggestion)
+
+    def test_no_spring_is_taken_for_a_cubic_one(self) -> None:
+        """It was said that here it is the linear one."""
+        assert "here it is" not in only_problem(BELT, "model.parameters.k_nl=1").suggestion
+
+    def test_an_angle_that_is_too_great_may_be_in_degrees(self) -> None:
+        pin = BELT.replace("belt-1dof", "pin-on-disc")
+        for value, told in (("15", True), ("-1", False), ('"400 deg"', False)):
+            found = problems(pin, f"model.parameters.beta={value}")
+            (said,) = [one.message for one in found if one.path.endswith("beta")]
+            assert ('write "15 deg"' in said) == told and "is out of range" in said
 
 
 COUPLED = {"k2": 0.5, "k3": 1.0, "alpha1": math.pi / 6.0, "alpha2": math.pi / 4.0}

@@ -359,9 +359,10 @@ def test_a_rest_of_all_starts_is_seen_inside_their_mark():
     (ax,) = draw(dataset, figure("bifurcation")).axes
     drawn = [line for line in ax.lines if len(line.get_xdata())]
     (square,) = [line for line in drawn if line.get_marker() == "s"]
-    (around,) = [line for line in drawn if (line.get_marker(), line.get_mfc()) == ("D", "none")]
-    assert around.get_markerfacecolor() == "none"
+    around = next(line for line in drawn if line.get_marker() == "D"
+                  and set(square.get_xdata()) <= set(line.get_xdata()))  # fmt: skip
     assert around.get_markersize() > 1.5 * square.get_markersize()
+    assert around.get_zorder() < square.get_zorder()  # which lies in it
 
 
 def test_crowds_of_several_starts_are_seen_through_one_another():

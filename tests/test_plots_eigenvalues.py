@@ -77,9 +77,12 @@ def test_growth_has_its_corner_where_modes_merge_between_points():
     x, y = ax.lines[0].get_data()
     assert (np.diff(x) > 0.0).all()
     np.testing.assert_allclose(y[x <= 0.5], -0.05, atol=1e-12)
-    assert y[x == 0.5].size == 1 and x.size == 1 + dataset.sizes["mu_k"]
+    assert y[x == 0.5].size == 1
+    exact = np.sqrt(np.fmax(x - 0.5, 0.0)) - 0.05  # the root between points, too
+    np.testing.assert_allclose(y, exact, atol=1e-12)
     table = csv.DictReader(as_csv(ax.figure, Path("a.csv")).splitlines())
-    assert 0.5 not in [float(row["x"]) for row in table]  # which was not computed
+    known = [float(row["x"]) for row in table]
+    assert np.isin(known, dataset["mu_k"]).all() and len(known) < x.size  # what was computed
 
 
 def test_words_of_ones_own_stand_in_entries_that_name_several_lines():
@@ -98,10 +101,15 @@ def test_words_of_ones_own_stand_in_entries_that_name_several_lines():
 def test_a_mode_beneath_another_is_seen_on_it():
     dataset = data.eigenvalues()
     _, bottom = draw(dataset, figure("eigenvalues")).axes
-    blue, green = (line.get_color() for line in bottom.lines[:1] + bottom.lines[2:3])
-    (upon,) = [line for line in bottom.lines if line.get_linestyle() == "--"]
-    x = np.asarray(upon.get_xdata())[np.isfinite(upon.get_ydata())]
-    assert x.min() >= 0.5 and upon.get_color() == blue != green
+    first, second = (
+        next(line for line in bottom.lines if line.get_label() == f"_mode {number}")
+        for number in (1, 2)
+    )
+    usual = first.get_linewidth()
+    (wide,) = [line for line in bottom.lines if usual < line.get_linewidth() < 3.0]
+    x = np.asarray(wide.get_xdata())[np.isfinite(wide.get_ydata())]
+    assert x.min() >= 0.5 and wide.get_color() == first.get_color() != second.get_color()
+    assert wide.get_zorder() < second.get_zorder()
 
 
 def test_critical_values_mark_the_largest_growth_and_lines_of_modes_each_by_its_fill():
@@ -213,11 +221,11 @@ def test_lines_of_modes_lead_through_the_point_where_they_merge():
     dataset["coupling_point"] = (("mu_k", "mode"), places, told)
     drawn = draw(dataset, figure("eigenvalues"))
     for ax, met in zip(drawn.axes, (-0.05, 5.0 / (2.0 * np.pi)), strict=True):
-        solid = [line.get_xydata() for line in ax.lines if line.get_linestyle() == "-"]
-        lines = [line for line in solid if len(line) == 7]
+        lines = [line.get_xydata() for line in ax.lines
+                 if "_mode " in line.get_label() and len(line.get_xdata())]  # fmt: skip
         assert len(lines) == 2
         for line in lines:
-            np.testing.assert_allclose(line[3], [0.5, met], atol=1e-12)
+            np.testing.assert_allclose(line[line[:, 0] == 0.5], [[0.5, met]], atol=1e-12)
     rows = list(csv.DictReader(as_csv(drawn, Path("a.csv")).splitlines()))
     assert {row["series"] for row in rows if row["x"] == "0.5"} == {"modes merge"}
 

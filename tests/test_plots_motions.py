@@ -115,6 +115,11 @@ def test_of_several_contacts_the_legend_says_which_one_is_shown(kind):
     assert len(told) == (kind == "history")
     first = draw(dataset.drop_vars("event_contact"), figure(kind, variable="phi"))
     assert first.legends[0].get_title().get_text() == "colours: contact 1"
+    never = dataset.drop_vars("event_contact").copy(deep=True)
+    never["contact_state"][:, 0] = data.codes(data.CONTACT_STATES, "slip+")  # of contact 1
+    drawn = draw(never, figure(kind, variable="phi"))
+    assert drawn.legends[0].get_title().get_text() == "colours: contact 2"
+    assert "contact 2 sticks" not in legend_texts(drawn)
     with pytest.raises(UsageError, match="contact = 3: there are 1, 2"):
         draw(dataset, figure(kind, variable="phi", contact=3))
     alone = draw(data.history(labels=("far",)), figure(kind, variable="phi"))

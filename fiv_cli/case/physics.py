@@ -186,9 +186,12 @@ def counterpart(name: str, known: Mapping[str, Parameter]) -> str:
     """
     tables = [model.parameters for model in all_models().values()]
     tables += [law.parameters for law in all_laws().values()]
-    meant = {p.role for table in tables for p in table if p.name == name} | {name}
+    others = [p for table in tables for p in table if p.name == name]
+    meant = {p.role for p in others} | {name}
     meant |= {role for role, words in USUAL.items() if name.lower().replace("_", "") in words}
-    here = [p for p in known.values() if p.role in meant - {""}]
+    # a cubic spring has no counterpart among others
+    units = {p.unit for p in others if p.role == "stiffness"}
+    here = [p for p in known.values() if p.role in meant - {""} and (not units or p.unit in units)]
     alike = [p for p in known.values() if p.name.lower() == name.lower() and p not in here]
     said = " or ".join(f"{p.name!r} ({p.meaning})" for p in [*here, *alike])
     return f"here it is {said}" if here else ""

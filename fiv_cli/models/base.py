@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from math import inf, lcm, pi
+from math import inf, lcm, pi, radians
 from typing import TYPE_CHECKING, Protocol
 
 from fiv_cli.errors import UsageError
@@ -117,10 +117,15 @@ class Parameter:
         """`number` (SI), `said` in other words; ValueError when it is not allowed."""
         low = number > self.minimum if self.exclusive else number >= self.minimum
         if not (low and number <= self.maximum):
-            raise ValueError(f"{said or repr(number)} is out of range")
+            raise ValueError(f"{said or repr(number)} is out of range{self._in_degrees(number)}")
         if self.integer and number != int(number):
             raise ValueError(f"{said or repr(number)} is not a whole number")
         return number
+
+    def _in_degrees(self, number: float) -> str:
+        """What to write where an angle out of range is in degrees, most likely."""
+        meant = self.unit == "rad" and self.minimum <= radians(number) <= self.maximum
+        return f': in degrees write "{number:g} deg"' * meant
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ SEEN_ON_LINES = 2.4  # size of dots that lines lead through, where columns have 
 FILLED = 0.75  # ... which is this share of it
 APART = 1.9  # size of marks that stand apart, and ...
 SHAPES = 24  # ... how many there are of one cloud from one side to the other
+INNER = 0.6  # size of a square in a mark: the arms of a cross reach beyond it
 OF_ALL = 1.3  # size of the mark of what every start leads to, in dots
 MOST_ROWS = 4  # of one cloud whose ends have marks
 DOTS_BETWEEN = 4  # marks, or more: at every second place they would look like another sort
@@ -75,7 +76,7 @@ def mark_clouds(
     if decided and (sorts > 1 or crowd < count):
         ax.plot([], [], ls="none", color=style.BLACK, label=MANY, **style.mark_of(0, 1, FINEST))
     if apart.size and squares:
-        square = APART if are_bars else size
+        square = _of_square(APART if are_bars else size, sorts == 1)
         ax.plot([], [], "s", ms=square, mew=0.0, color=style.BLACK, label=resting)
     _name_undecided(ax, pairs, STILL_SEEN * size)
 
@@ -258,25 +259,27 @@ def _mark_rests(
     resting: str,
     squares: bool,
 ) -> None:
-    """The points at rest of one cloud, with `squares` in their mark where no line tells of them."""
+    """The points at rest of one cloud, with `squares` in their mark where no line tells of them.
+
+    A dot lies upon its square, any other mark beneath: what is seen of it is the rest of it.
+    """
     rest, on_line = ((cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told))
     mark = _mark_of(cloud.start, entry.number, sorts, size)
     look = mark | {"color": entry.colour, "ls": "none"}
-    around: dict[str, Any] = {"ms": 1.9 * size, "mfc": "none", "mew": 0.25 * size}
     at_rest = points.unlisted(entry.label, resting)
+    is_dot = sorts == 1 and cloud.start not in points.SHARED
+    square: dict[str, Any] = {"marker": "s", "mew": 0.0, "ls": "none", "color": style.BLACK}
+    square |= {"ms": _of_square(size, is_dot), "zorder": 4.1 if is_dot else 4.2}
     if squares:
-        square: dict[str, Any] = {
-            "marker": "s",
-            "ms": size,
-            "mew": 0.0,
-            "ls": "none",
-            "color": style.BLACK,
-        }
-        ax.plot(*rest, label=at_rest, zorder=4.1, **square)
+        ax.plot(*rest, label=at_rest, **square)
         at_rest = DECORATION
-    rings = around if squares and cloud.start in points.SHARED else {}
-    ax.plot(*rest, label=at_rest, zorder=4.1, **look | rings)
+    ax.plot(*rest, label=at_rest, zorder=4.1, **look)
     ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **look)
+
+
+def _of_square(size: float, is_dot: bool) -> float:
+    """Size of the square of what rests, beneath a dot or in another mark."""
+    return size if is_dot else INNER * size
 
 
 def _mark_of(start: str, number: int, sorts: int, size: float) -> dict[str, Any]:

@@ -32,6 +32,7 @@ from fiv_cli.plots import (
     style,
 )
 from fiv_cli.plots import map as map_
+from fiv_cli.plots.captions import caption
 from fiv_cli.plots.labels import has_symbol, name_of, quantity, title_of, value_label
 from fiv_cli.plots.points import Layer, Settings
 from fiv_cli.reading import select, shares, take
@@ -264,17 +265,9 @@ def _drawn(
         without = [one.dataset.attrs.get("without", "") for one in layers]
         told = {"", *without[:1]} if style.has_titles() else {""}  # a title tells that of the first
         untold = dict.fromkeys(word for word in without if word not in told)
-        untitled = [*_untitled(files, figure), *_caption(drawn, layers)]
+        untitled = [*_untitled(files, figure), *caption(drawn, layers[0].dataset)]
         style.add_notes(drawn, [*changed(_lined(figure)), *untold, *untitled])
         return drawn
-
-
-def _caption(drawn: Figure, layers: Sequence[Layer]) -> list[str]:
-    """What stands below the title where figures have one."""
-    title = title_of(layers[0].dataset.attrs)
-    told = str(drawn.get_label()).removeprefix(title).split("\n")
-    words = "; ".join(filter(None, told))
-    return [f"for the caption: {words}"] * bool(words and not style.has_titles())
 
 
 def _untitled(files: Sequence[_File], figure: FigureSpec) -> list[str]:

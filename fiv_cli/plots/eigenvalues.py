@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import matplotlib as mpl
 import numpy as np
 
 from fiv_cli.errors import UsageError
@@ -39,7 +40,7 @@ DOTS: dict[str, Any] = {
 # Of all that a panel shows: a distance of two lines that is not seen; at which share of points.
 UNSEEN, MOSTLY = 5e-3, 0.9
 FEWEST_HIDDEN = 2  # points: two lines that cross share so many
-BENEATH: Any = (0, (4.0, 4.0))  # dashes of what lies beneath, upon it
+WIDER = 2.2  # times as wide as others: what lies beneath another
 _Drawn: TypeAlias = "tuple[np.ndarray, np.ndarray, ColorType]"
 
 
@@ -97,7 +98,6 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
     colours = [c for c in style.line_colours(len(modes) + 1) if c != style.VERMILLION]
     drawn: dict[str, ColorType] = {}
     of_modes: dict[str, list[tuple[str, np.ndarray]]] = {}
-    hidden = list[str]()
     look = BAND if len(lines) > 1 else DOTS
     for number, line in enumerate(lines):
         part, beneath = dataset.isel(line.index), list[_Drawn]()
@@ -115,13 +115,9 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             drawn |= {name_of_mode: colour}
             of_modes.setdefault(name_of_mode, []).append((line.label, y))
             _mark(ax, *whole, np.insert(growth, after, values.real), look)
-            if _show_through(ax, whole, dash, beneath, dataset[name]):
-                hidden.append(line.label)
+            _widen_beneath(ax, whole, dash, beneath, dataset[name])
             beneath.append((*whole, colour))
     style.add_notes(ax.figure.figure, [*_upon_one_another(dataset[name], of_modes)])
-    of = " and ".join(map(in_one_line, dict.fromkeys(hidden)))
-    told = f"{name}: modes lie upon one another along a part of {of}, where one colour is seen"
-    style.add_notes(ax.figure.figure, [told] * bool(hidden))
     for place in np.unique(np.linspace(0, len(drawn) - 1, MOST_NAMED).astype(int)):
         ax.plot([], [], "-", color=[*drawn.values()][place], label=[*drawn][place])
     for number, line in enumerate(lines if len(lines) > 1 else ()):
@@ -131,27 +127,36 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
         ax.plot([], [], label="unstable", **(look if look is DOTS else look | {"marker": "None"}))
 
 
-def _show_through(
+def _widen_beneath(
     ax: Axes,
     line: tuple[np.ndarray, np.ndarray],
     dash: Any,
     beneath: Sequence[_Drawn],
     variable: xr.DataArray,
-) -> bool:
-    """Dashes in the colour of the first mode that lies beneath another, as those that merged do.
-
-    On a line that has dashes these would not be seen: tells whether any lies beneath it.
-    """
+) -> None:
+    """A wider line of the first mode that lies beneath another, as those that merged do: its colour
+    is seen on both sides."""
     x, y = line
     for its_x, its_y, colour in beneath:
         order = np.argsort(its_x)
         hidden = np.abs(np.interp(x, its_x[order], its_y[order]) - y) <= _unseen(variable)
         if hidden.sum() > FEWEST_HIDDEN:
-            if dash == "-":
-                shown = np.where(hidden, y, np.nan)
-                ax.plot(x, shown, ls=BENEATH, color=colour, label=DECORATION)
-            return dash != "-"
-    return False
+            look = {"lw": WIDER * mpl.rcParams["lines.linewidth"], "zorder": 1.9}
+            shown = np.where(hidden, y, np.nan)
+            ax.plot(x, shown, ls=_of_width(dash), color=colour, label=DECORATION, **look)
+            return
+
+
+def _of_width(dash: Any) -> Any:
+    """Dashes of a wider line that are as long as those of the others."""
+    if dash == "-":
+        return dash
+    named = {
+        "--": mpl.rcParams["lines.dashed_pattern"],
+        "-.": mpl.rcParams["lines.dashdot_pattern"],
+    }
+    pattern = named[dash] if isinstance(dash, str) else dash[1]
+    return (0, [length / WIDER for length in pattern])
 
 
 def _unseen(variable: xr.DataArray) -> float:

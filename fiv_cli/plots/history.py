@@ -39,6 +39,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     """
     dataset = layers[0].dataset
     motions = motion.of_files(layers, settings)
+    settings = motion.about_one_that_sticks(motions, settings)
     names, *_ = [motion.variables(one.dataset, settings) for one in layers]  # which all must have
     rows = [
         (name, points.of_panel(own, number, [name]))

@@ -11,7 +11,7 @@ to another, as from what rests to what vibrates; of several levels that next to 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import chain
+from itertools import chain, cycle
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -56,7 +56,6 @@ BY, MOST_BESIDE = 0.3, 30
 ENOUGH = 0.5  # of these heights, by which another line is further off: then rather at the middle
 WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (0, 1)], float)
 PAD = 0.25  # around a level that is written, in heights of its letters
-WHITE: Any = {"fc": "white", "ec": "none", "pad": 0.7}
 STROKE: Any = {"arrowstyle": "-", "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0}
 # To each side of a level on its line, of the height of letters; of that: its place there.
 CUT, CLOSE = 0.45, 0.05
@@ -277,18 +276,20 @@ def _dash_short_pieces(ax: Axes, lines: QuadContourSet) -> None:
     """Dash the pieces of a dashed line that are shorter than its dashes more finely, for they look
     like a solid one."""
     looks: Any = lines.get_linestyle()
-    (start, pattern), width = looks[0], np.max(lines.get_linewidth())
-    if not pattern:
-        return
-    period = sum(pattern) * ax.figure.figure.dpi / style.POINTS
-    measured = [(_length(ax, one) / (LEAST_PERIODS * period), one) for one in _pieces(lines)]
-    short = [(share, [piece]) for share, piece in measured if share < 1.0]
-    whole = [piece for share, piece in measured if share >= 1.0]
-    if short:
-        paths = [*([(1.0, whole)] if whole else []), *short]
-        finer: Any = [(start, [share * dash / width for dash in pattern]) for share, _ in paths]
+    width, found = np.max(lines.get_linewidth()), []
+    for own, (start, pattern) in zip(lines.allsegs, cycle(looks), strict=False):
+        if not pattern:
+            return
+        period = sum(pattern) * ax.figure.figure.dpi / style.POINTS
+        pieces = [(_length(ax, one) / (LEAST_PERIODS * period), one) for one in own if len(one)]
+        whole = [piece for share, piece in pieces if share >= 1.0]
+        found += [(start, pattern, 1.0, whole)] * bool(whole)
+        found += [(start, pattern, share, [piece]) for share, piece in pieces if share < 1.0]
+    if any(share < 1.0 for *_, share, _ in found):
         # with codes, which levels that are written along lines are looked for by
-        lines.set_paths([Path.make_compound_path(*map(Path, pieces)) for _, pieces in paths])
+        lines.set_paths([Path.make_compound_path(*map(Path, pieces)) for *_, pieces in found])
+        finer: Any = [(start, [share * dash / width for dash in pattern])
+                      for start, pattern, share, _ in found]  # fmt: skip
         lines.set_linestyle(finer)
 
 
@@ -350,7 +351,7 @@ def _name(
         told = {level: labels.number_text(level, levels)}
         for text_ in ax.clabel(lines, fmt=told, **look) if places else ():
             upwards = (text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
-            text_.set(zorder=OVER_MARKS, rotation=0.0, **_ground(lines))
+            text_.set(path_effects=HALO, zorder=OVER_MARKS, rotation=0.0)
             _begin_beside(ax, lines, text_)
             text_.set_rotation(min(upwards, 90.0))  # none is turned over
     beside = set()
@@ -359,11 +360,6 @@ def _name(
         text = labels.number_text(level, levels)
         beside |= {level} if _write_beside(ax, lines, text, [*others, *crossing], marks) else set()
     return beside | {level for _, level, places in found if places}
-
-
-def _ground(lines: QuadContourSet) -> dict[str, Any]:
-    """What a written level stands on: over shades these, with a rim as its line has."""
-    return {"path_effects": HALO} if lines.get_path_effects() else {"bbox": WHITE}
 
 
 def _begin_beside(ax: Axes, lines: QuadContourSet, text: Text) -> None:
@@ -380,6 +376,7 @@ def _begin_beside(ax: Axes, lines: QuadContourSet, text: Text) -> None:
     cut = ([_beside_gap(one, place, half) if one is written else [one] for one in of] for of in own)
     back = pixels.inverted().transform
     lines.set_paths([Path.make_compound_path(*map(Path, map(back, chain(*of)))) for of in cut])
+    _dash_short_pieces(ax, lines)
 
 
 def _beside_gap(line: np.ndarray, place: np.ndarray, half: float) -> list[np.ndarray]:
@@ -430,8 +427,9 @@ def _write_beside(
         here, foot = map(tuple, ax.transData.inverted().transform([place, nearest]).tolist())
         colour, size = lines.get_edgecolor()[0], mpl.rcParams["legend.fontsize"]
         look: dict[str, Any] = {"ha": "center", "va": "center", "zorder": OVER_MARKS}
+        look["path_effects"] = HALO
         ax.annotate(text, foot, here, fontsize=size, color=colour,
-                    arrowprops={**STROKE, "color": colour}, **look, **_ground(lines))  # fmt: skip
+                    arrowprops={**STROKE, "color": colour}, **look)  # fmt: skip
     return bool(free.any())
 
 

@@ -11,13 +11,17 @@ from fiv_cli.plots import points
 if TYPE_CHECKING:
     import xarray as xr
 
+NEAR = 4  # places on each side of a merger, between it and the points beside it ...
+FRACTIONS = np.linspace(0.0, 1.0, NEAR + 2)[1:-1] ** 2  # ... as shares of the way to these
+
 
 def mergers(
     part: xr.Dataset, axis: xr.DataArray, mode: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Before which points of a line a mode merges with another, where, and its eigenvalue there.
 
-    That is in rad/s. The mean of both modes is smooth there, and so is the square of their
+    That is in rad/s, and on both sides at places that are closer the nearer they lie to that one,
+    where it has a root. The mean of both modes is smooth there, and so is the square of their
     difference, whose real part is zero.
     """
     none = np.zeros(0, int), np.zeros(0), np.zeros(0, complex)
@@ -31,17 +35,33 @@ def mergers(
         same_side = values[point].imag * values[point, mode].imag > 0.0
         alike = np.flatnonzero((places[point] == places[point, mode]) & same_side)
         other = next((n for n in alike.tolist() if n != mode), mode)
-        pair = values[point : point + 2, [mode, other]]
-        share = (places[point, mode] - x[point]) / (x[point + 1] - x[point])
-        mean, apart = pair.mean(axis=1), pair[:, 0] - pair[:, 1]
-        squares = (apart**2).imag
-        half = 0.5 * np.sqrt(1j * (squares[0] + share * (squares[1] - squares[0])))
-        half *= -1.0 if (half * apart[0].conjugate()).real < 0.0 else 1.0
-        found.append((point + 1, places[point, mode], mean[0] + share * (mean[1] - mean[0]) + half))
+        step = x[point + 1] - x[point]
+        shares = _close_to((places[point, mode] - x[point]) / step)
+        met = _between(values[point : point + 2, [mode, other]], shares)
+        where = np.where(shares == shares[NEAR], places[point, mode], x[point] + shares * step)
+        found.append((np.full(shares.size, point + 1), where, met))
     if not found:
         return none
-    after, where, met = map(np.array, zip(*found, strict=True))
+    after, where, met = map(np.concatenate, zip(*found, strict=True))
     return after, where, met
+
+
+def _close_to(share: float) -> np.ndarray:
+    """Shares of a step around one of them, which is that of the number NEAR."""
+    below = share * (1.0 - FRACTIONS[::-1])
+    return np.concatenate([below, [share], share + (1.0 - share) * FRACTIONS])
+
+
+def _between(pair: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """The first of a pair of eigenvalues, shape (2 points, pair), at shares of the step, which
+    merge at the middle one of these."""
+    mean, apart = pair.mean(axis=1), pair[:, 0] - pair[:, 1]
+    squares = apart[0] ** 2 + shares * (apart[1] ** 2 - apart[0] ** 2)
+    squares[NEAR] = 1j * squares[NEAR].imag
+    half = 0.5 * np.sqrt(squares)
+    towards = np.where(np.arange(shares.size) <= NEAR, apart[0], apart[1])
+    half = np.where((half * towards.conjugate()).real < 0.0, -half, half)
+    return np.asarray(mean[0] + shares * (mean[1] - mean[0]) + half)
 
 
 def growth_at_mergers(

@@ -275,9 +275,25 @@ def of_contact(array: xr.DataArray, settings: points.Settings) -> np.ndarray:
 
 
 def _contact(array: xr.DataArray, settings: points.Settings) -> int:
-    """The number of the contact that is drawn: the figure's, else the first that is selected."""
+    """The number of the contact that is drawn: the figure's, else the one that colours are about,
+    else the first that is selected."""
     selected = array["contact"].values[0] if "contact" in array.coords else 1
-    return int(np.atleast_1d(settings.get("contact", selected))[0])
+    return int(np.atleast_1d(settings.get("contact", settings.get("coloured", selected)))[0])
+
+
+def about_one_that_sticks(every: Sequence[Motion], settings: points.Settings) -> points.Settings:
+    """The settings of a figure whose colours are about the first contact that sticks, if any."""
+    for motion in every:
+        states = motion.data["contact_state"]
+        if "contact" in states.dims:
+            others = [dim for dim in states.dims if dim != "contact"]
+            sticks = is_class(states, ("stick",)).any(others)
+            if sticks.any():
+                return {
+                    **settings,
+                    "coloured": int(states["contact"].values[sticks.values.argmax()]),
+                }
+    return settings
 
 
 def of_all_contacts(dataset: xr.Dataset, settings: points.Settings) -> points.Settings:
@@ -365,7 +381,9 @@ def other_sticks(motion: Motion, settings: points.Settings) -> Iterator[tuple[in
     known = motion.data["contact_state"].coords.get("contact")
     if known is None or not known.ndim:
         return
-    for contact in np.atleast_1d(settings.get("contact", known.values)).tolist()[1:]:
+    shown = _contact(motion.data["contact_state"], settings)
+    asked = np.atleast_1d(settings.get("contact", known.values)).tolist()
+    for contact in [number for number in asked if number != shown]:
         for state, begin, end in contact_spans(motion, {**settings, "contact": contact}):
             if state == "stick":
                 yield contact, begin, end

@@ -55,6 +55,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     datasets = [layer.dataset for layer in layers]
     dataset, shared = datasets[0], bool(settings.get("overlay")) or len(layers) > 1
     motions = motion.of_files(layers, {**settings, "overlay": shared})
+    settings = motion.about_one_that_sticks(motions, settings)
     names, *_ = [_states(one, settings) for one in datasets]  # which all must have
     marks = _marks(motions, shared, settings)
     figure, axes = style.new_panels(1, 1 if shared else len(motions), points.title(*datasets))

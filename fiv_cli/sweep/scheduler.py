@@ -201,12 +201,15 @@ class Scheduler:
             self._workers = self._started_workers()
             policy = replace(policy, workers=max(1, self._workers.size))
         found = foreseen(self.journal, policy)
-        if sum(one.slowed * one.seconds[1] for one in found) > LONG:
+        least, most = (sum(one.slowed * one.seconds[end] for one in found) for end in (0, 1))
+        if most > LONG:
             self._is_told = True
             for one in found:
                 self.progress.note(f"{one.name} takes {one.time_on_workers()} ({one.basis()})")
+            is_open = least < LONG and any(one.given_up for one in found)
+            less = ", or far less, as points that were tried were given up" * is_open
             self.progress.note(
-                "this run may take more than an hour: Ctrl-C keeps what is finished, "
+                f"this run may take more than an hour{less}: Ctrl-C keeps what is finished, "
                 "`fiv check --estimate` tries for longer"
             )
 
