@@ -135,7 +135,7 @@ REASONS: tuple[Reason, ...] = (
     Reason(
         "no_drive",
         "the drive of a contact stands still, so not all contacts slide at rest: give each a "
-        "speed; where that is meant, ask in a case of its own, without these points",
+        "speed, or leave these points to a case whose starts are states",
     ),
     Reason(
         "contact_would_pull",

@@ -877,10 +877,10 @@ class TestOverrides:
 
     def test_an_angle_that_is_too_great_may_be_in_degrees(self) -> None:
         pin = BELT.replace("belt-1dof", "pin-on-disc")
-        for value, told in (("15", True), ("-1", False), ('"400 deg"', False)):
+        for value, told in (("15", True), ("-1", False), ('"400 deg"', False), ('"30 rad"', False)):
             found = problems(pin, f"model.parameters.beta={value}")
             (said,) = [one.message for one in found if one.path.endswith("beta")]
-            assert ('write "15 deg"' in said) == told and "is out of range" in said
+            assert ("in degrees write" in said) == told and "is out of range" in said
 
 
 COUPLED = {"k2": 0.5, "k3": 1.0, "alpha1": math.pi / 6.0, "alpha2": math.pi / 4.0}

@@ -136,6 +136,11 @@ def test_datasets_are_called_by_options_and_ties_before_settings(attributes, cal
     other = one.assign_attrs(told | longer | attributes)
     other = other.drop_vars("V2") if "model" in attributes else other
     assert words.told_apart([("one", one), ("two", other)]) == called
+    more = other.assign_coords(c=0.0, k=0.0)  # with two more no word hides another
+    found = words.told_apart([("one", one.assign_coords(c=1.0, k=2.0)), ("two", more)])
+    assert found == ["t_max = 1000", "t_max = 5"]
+    foreign = other.assign_attrs(options_json='{"modes": "0,1"}', model="disc")
+    assert not any("modes" in name for name in words.told_apart([("one", one), ("two", foreign)]))
 
 
 def test_datasets_are_not_called_by_settings_of_an_analysis_that_one_of_them_has_not():

@@ -15,6 +15,7 @@ from fiv_cli.plots import draw, draw_laws, look_of, style
 from fiv_cli.plots.drawn import as_csv
 from fiv_cli.plots.eigenvalues import _up_to_turns, _upon_one_another
 from fiv_cli.plots.law import force
+from fiv_cli.plots.mergers import growth_at_mergers, mergers
 
 
 def test_modes_that_a_line_does_not_have_are_not_in_its_legend():
@@ -85,6 +86,49 @@ def test_growth_has_its_corner_where_modes_merge_between_points():
     assert np.isin(known, dataset["mu_k"]).all() and len(known) < x.size  # what was computed
 
 
+@pytest.mark.parametrize("falling", [False, True])
+@pytest.mark.parametrize("fewer", [False, True])
+def test_growth_at_mergers_follows_its_axis_and_the_modes_that_there_are(falling, fewer):
+    """It ran back and forth along a falling axis, and broke off where a model has fewer modes."""
+    dataset = data.eigenvalues().isel(mu_k=slice(9, None, 2))
+    at = np.isclose(dataset["mu_k"], 0.525 if falling else 0.475)
+    merging = np.where(at[:, None], 0.5, np.nan) * np.ones(4)
+    dataset["coupling_point"] = (("mu_k", "mode"), merging, {"along": "mu_k"})
+    dataset = dataset.isel(mu_k=slice(None, None, -1)) if falling else dataset
+    if fewer:
+        dataset = dataset.pad(mode=(0, 2)).assign_attrs(dataset.attrs)
+        dataset["coupling_point"].attrs["along"] = "mu_k"
+    (ax,) = draw(dataset, figure("curve", variable="growth_rate")).axes
+    x, y = ax.lines[0].get_data()
+    assert (np.diff(x) * (-1.0 if falling else 1.0) > 0.0).all()
+    np.testing.assert_allclose(y, np.sqrt(np.fmax(x - 0.5, 0.0)) - 0.05, atol=1e-12)
+    marked = np.asarray(x)[ax.lines[0].get_markevery()]
+    assert {*marked} == {*dataset["mu_k"].values}  # no mark where nothing was computed
+
+
+def test_two_pairs_that_merge_in_one_step_are_both_followed_there():
+    mu = np.linspace(0.0, 1.0, 6)
+    roots = [np.sqrt(mu - at + 0j) for at in (0.45, 0.55)]
+    values = np.stack([1j * (5 + n) + sign * root for n, root in enumerate(roots)
+                       for sign in (1, -1)], axis=-1)  # fmt: skip
+    places = np.where(np.isclose(mu, 0.4)[:, None], [0.45, 0.45, 0.55, 0.55], np.nan)
+    rate = {"units": "rad s-1"}
+    found = {
+        "status": data.statuses(("mu_k",), np.array(["ok"] * 6)),
+        "eigenvalue_real": (("mu_k", "mode"), values.real, rate),
+        "eigenvalue_imag": (("mu_k", "mode"), values.imag, rate),
+        "growth_rate": (("mu_k",), values.real.max(axis=-1), rate),
+        "coupling_point": (("mu_k", "mode"), places, {"along": "mu_k"}),
+    }
+    part = xr.Dataset(found, data.axes(mu_k=mu))
+    after, at, growth = growth_at_mergers(part, part["mu_k"])
+    assert (np.diff(at) > 0.0).all() and {*after} == {3}
+    assert (np.diff(growth) >= -1e-12).all()  # a tooth at each place of the other pair, it was
+    exact = np.sqrt(np.fmax(at - 0.45, 0.0))  # the larger of both roots everywhere
+    own = np.isin(at, mergers(part, part["mu_k"], 0)[1])
+    np.testing.assert_allclose(growth[own], exact[own], atol=1e-12)
+
+
 def test_words_of_ones_own_stand_in_entries_that_name_several_lines():
     dataset = data.eigenvalues()
     places = np.where(dataset["mu_k"].values[:, None] == 0.5, 0.5, np.nan) * np.ones(4)
@@ -129,6 +173,13 @@ def test_critical_values_mark_the_largest_growth_and_lines_of_modes_each_by_its_
     words = r"critical value of $\mu_k$"
     met = {str(line.get_label()): line for line in ax.lines if words in str(line.get_label())}
     assert met[f"_coulomb, {words}"].get_xdata().tolist() == [0.5025]  # 0.9: a further mode
+    both["growth_rate"][:, 21] = np.nan  # beside both: what is known there is not positive
+    (ax,) = draw(files, figure("curve", variable="growth_rate")).axes
+    assert [0.5025] in [line.get_xdata().tolist() for line in ax.lines if len(line.get_xdata())]
+    other = both.drop_vars(["growth_rate", "eigenvalue_real", "eigenvalue_imag"])
+    two = {"first": other, "eigenvalues": both}  # the figure names no analysis
+    (ax,) = draw([("a", two), ("b", critical)], figure("curve", variable="growth_rate")).axes
+    assert [0.5025] in [line.get_xdata().tolist() for line in ax.lines if len(line.get_xdata())]
     top, _ = draw(files, figure("eigenvalues")).axes
     fills = {
         str(line.get_label()): line.get_markerfacecolor()
@@ -317,6 +368,8 @@ def test_what_several_laws_hold_in_stick_is_one_line_with_the_end_of_each():
     black = [line for line in alike.axes[0].lines if line.get_color() == style.BLACK]
     assert [line.get_marker() for line in black if len(line.get_xdata())] == ["None", "_"]
     assert legend_texts(alike)[-1] == "held in stick"
+    assert legend_texts(draw_laws(["coulomb", "dahl"], called=["A", "B"]))[:2] == ["A", "B"]
+    assert "held in stick" not in legend_texts(draw_laws(["dahl", "lugre"]))  # neither sticks
 
 
 def test_laws_are_drawn_with_the_parameters_that_are_given():

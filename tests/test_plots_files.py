@@ -46,6 +46,13 @@ def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp
     assert drawn.get_suptitle() == ""
     of_one = draw(data.bifurcation(), figure(kind, select={"initial": "near"}), look=paper)
     assert "for the caption: start: near" in style.notes_on(of_one)  # which a title would tell
+    case = "[model]\nparameters = { N = 5.0 }\n[[initial]]\nlabel = 'any'\nkind = 'random'\n"
+    given = data.bifurcation().assign_attrs(case=case).assign_coords(N=((), 5.0, {"units": "N"}))
+    assert style.notes_on(draw(given, figure(kind), look=paper)) == ["for the caption: N = 5 N"]
+    files = [("a", given), ("b", given.assign_coords(N=((), 6.0, {"units": "N"})))]
+    assert not any(
+        "caption" in note for note in style.notes_on(draw(files, figure(kind), look=paper))
+    )
     save(drawn, tmp_path / "a.svg", paper)
     written = (tmp_path / "a.svg").read_text()
     assert f'width="{84.0 / 25.4 * 72.0:.6f}'.rstrip("0") in written

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from fiv_cli.friction.base import Law
-    from fiv_cli.models.base import Model, Parameter, State
+    from fiv_cli.models.base import Model, Option, Parameter, State
 
 MEASURED = (
     'measured friction, a file beside the case: law = "FILE.csv", whose rows are slip velocity '
@@ -70,12 +70,15 @@ def command(
     name = name if name is None else seek(name)
     laws = all_laws()
     if name is not None and not want_laws and not (name in all_models() or name in laws):
-        if having := _having(name):
-            _show_having(name, having, as_json)
-            return
+        what = "model or friction law"
+        if not (law or chosen):
+            what += ", parameter, state or option"
+            if having := _having(name):
+                _show_having(name, having, as_json)
+                return
         known = dict.fromkeys([*all_models(), *laws])
         lists = following("models", name, "fiv models, or fiv models --laws")
-        pick(name, known, "model or friction law", lists)
+        pick(name, known, what, lists)
     if law is not None or chosen:
         _show_under(_under(name, chosen, law), law and seek(law), as_json)
     elif want_laws or name in laws:
@@ -89,16 +92,12 @@ def _having(name: str) -> list[tuple[str, str, str, str]]:
     from fiv_cli.friction import TANH_OF, all_laws
     from fiv_cli.models import all_models
 
-    laws = [law for law in all_laws().values() if not law.name.startswith(TANH_OF)]
     models = all_models().values()
     tables = [(one.name, one.parameters) for one in models]
-    tables += [(one.name, one.parameters) for one in laws]
-    found = [
-        (of, p.unit, _default(p), p.meaning)
-        for of, table in tables
-        for p in table
-        if p.name == name
-    ]
+    tables += [(one.name, one.parameters) for one in all_laws().values()]
+    held = [(of, p) for of, table in tables for p in table if p.name == name]
+    plain = [(of, p) for of, p in held if not of.startswith(TANH_OF)]
+    found = [(of, p.unit, _default(p), p.meaning) for of, p in plain or held]
     for model in models:
         states = model.states(model.default_options())
         found += [(model.name, s.unit, "", f"state: {s.meaning}") for s in states if s.name == name]
@@ -133,6 +132,8 @@ def _option_of(model: Model, said: str) -> tuple[str, str]:
     """The name and the text of ``OPTION=CHOICE``; UsageError where the model has no such."""
     key, _, value = (part.strip() for part in said.partition("="))
     of = {option.name: option for option in model.options}
+    if not of:
+        raise UsageError(f"{model.name} has no options\nnext: fiv models {model.name}")
     option = pick(key, of, f"option of {model.name}", f"fiv models {model.name}")
     try:
         return key, option.text(value)
@@ -194,6 +195,8 @@ def _model_document(model: Model) -> dict[str, object]:
 
     keys = ("name", "title", "reference", "parameters", "options", "law_defaults", "contacts")
     return {key: getattr(model, key) for key in keys} | {
+        "options": _plain_options(model),
+        "chosen": model.default_options(),
         "forcing": forced(model),
         "states": model.states(model.default_options()),
         "laws": laws_of(model),
@@ -248,14 +251,26 @@ def _print_states(title: str, states: Sequence[State]) -> None:
 
 
 def _print_options(model: Model) -> None:
-    if model.options:
-        rows = [
-            (o.name, o.form or " | ".join(o.choices), o.default, o.meaning) for o in model.options
-        ]
-        click.echo()
-        print_table(
-            "Options, under [model.options]", ("name", "choices", "default", "meaning"), rows
-        )
+    """With the choice of each under which the rest is printed, where that is not the default."""
+    if not model.options:
+        return
+    plain, chosen = _plain_options(model), [*model.default_options().values()]
+    rows = [(o.name, o.form or " | ".join(o.choices), o.default, o.meaning) for o in plain]
+    columns = ["name", "choices", "default", "meaning"]
+    title = "Options, under [model.options]"
+    click.echo()
+    if chosen == [option.default for option in plain]:
+        print_table(title, columns, rows)
+    else:
+        here = [(*row[:3], own, row[3]) for row, own in zip(rows, chosen, strict=True)]
+        print_table(title, [*columns[:3], "chosen", columns[3]], here)
+
+
+def _plain_options(model: Model) -> tuple[Option, ...]:
+    """The options with the defaults of the model itself."""
+    from fiv_cli.models import all_models
+
+    return all_models()[model.name].options
 
 
 def _print_forces(model: Model) -> None:

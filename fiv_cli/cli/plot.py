@@ -84,8 +84,8 @@ class Millimetres(click.ParamType):
     "labels",
     multiple=True,
     metavar="WORDS",
-    help="What to call a file among several: one for each, in their order, symbols between $ "
-    "('$N_0$ = 10 N'). Where one is drawn over "
+    help="What to call a file among several, or a law: one for each, in their order, symbols "
+    "between $ ('$N_0$ = 10 N'). Where one is drawn over "
     "the other, as a branch over its diagram, their lines have names of their own.",
 )
 @with_option
@@ -153,11 +153,14 @@ def command(
     """
     if bool(files) == bool(laws):
         raise UsageError("plot: name either datasets or laws\nexample: fiv plot runs/CASE.nc")
-    if labels and len(labels) != len(files):
+    what, count = ("law", len(laws)) if laws else ("file", len(files))
+    if labels and loop is None and len(labels) != count:
         raise UsageError(
-            f"--label: {len(labels)} for {len(files)} files\nnext: one --label WORDS for each file"
+            f"--label: {len(labels)} for {count} {what}s\nnext: one --label WORDS for each {what}"
         )
-    if len(labels) == 1:
+    if labels and loop is not None:
+        raise UsageError("--label: laws over a loop have their names\nnext: leave it out")
+    if len(labels) == 1 and files:
         raise UsageError("--label: it tells several files in one figure apart\nnext: leave it out")
     if variables and (laws or len(names) != 1):
         raise UsageError("--variable: of which figure?\nnext: --figure KIND --variable NAME")
@@ -174,7 +177,7 @@ def command(
         figures = _of_loops(laws, loop, look)
     else:
         wanted = (files, names, variables, labels or [""] * len(files), look, undrawn)
-        figures = _of_laws(laws, look, speed) if laws else _of_files(*wanted)
+        figures = _of_laws(laws, look, speed, labels) if laws else _of_files(*wanted)
     for path, figure in _with_paths(figures, outputs):
         try:
             save(figure, path, look)
@@ -189,7 +192,9 @@ def command(
         raise undrawn[-1]
 
 
-def _of_laws(laws: Sequence[str], look: Look, speed: float | None) -> list[tuple[Path, Figure]]:
+def _of_laws(
+    laws: Sequence[str], look: Look, speed: float | None, called: Sequence[str]
+) -> list[tuple[Path, Figure]]:
     """(default path, figure) of the laws in one figure."""
     from fiv_cli.own.load import seek
     from fiv_cli.plots import draw_laws
@@ -197,7 +202,8 @@ def _of_laws(laws: Sequence[str], look: Look, speed: float | None) -> list[tuple
     parts = [law.partition(":") for law in laws]
     laws = ["".join([seek(name), *changes]) for name, *changes in parts]
     names = dict.fromkeys(law.partition(":")[0].replace(" ", "-") for law in laws)
-    figure = draw_laws(laws, look) if speed is None else draw_laws(laws, look, speed)
+    given = {} if speed is None else {"fastest": speed}
+    figure = draw_laws(laws, look, called=called, **given)
     return [(Path("runs") / f"law-{'-'.join(names)}.png", figure)]
 
 

@@ -117,7 +117,8 @@ class Parameter:
         """`number` (SI), `said` in other words; ValueError when it is not allowed."""
         low = number > self.minimum if self.exclusive else number >= self.minimum
         if not (low and number <= self.maximum):
-            raise ValueError(f"{said or repr(number)} is out of range{self._in_degrees(number)}")
+            degrees = "" if said else self._in_degrees(number)
+            raise ValueError(f"{said or repr(number)} is out of range{degrees}")
         if self.integer and number != int(number):
             raise ValueError(f"{said or repr(number)} is not a whole number")
         return number

@@ -29,6 +29,8 @@ MOST_ROWS = 4  # of one cloud whose ends have marks
 DOTS_BETWEEN = 4  # marks, or more: at every second place they would look like another sort
 # Of the key of marks that stand among dots: these to both sides.
 AMONG_DOTS: dict[str, Any] = {"ls": (0, (0.01, 3.85)), "lw": 1.3, "dash_capstyle": "round"}
+# Of the key of values that crowd: a row of fine dots.
+ROW_OF_DOTS: dict[str, Any] = {"ls": (0, (0.01, 2.0)), "lw": 1.2, "dash_capstyle": "round"}
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
 ONE_PLACE = 0.01  # of the extent of a cloud: values that lie so close are one mark
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
@@ -74,7 +76,9 @@ def mark_clouds(
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
     decided = any((one.crowded & ~one.undecided).any() for one in clouds)
     if decided and (sorts > 1 or crowd < count):
-        ax.plot([], [], ls="none", color=style.BLACK, label=MANY, **style.mark_of(0, 1, FINEST))
+        colours = {entry.colour for entry in entries}
+        colour = colours.pop() if len(colours) == 1 else style.BLACK
+        ax.plot([], [], color=colour, label=MANY, **ROW_OF_DOTS)
     if apart.size and squares:
         square = _of_square(APART if are_bars else size, sorts == 1)
         ax.plot([], [], "s", ms=square, mew=0.0, color=style.BLACK, label=resting)

@@ -34,7 +34,8 @@ from fiv_cli.plots.curve_lines import (
     told_by_bars,
 )
 from fiv_cli.plots.curve_panel import UNSEEN, draw_panel, has_marks, is_of_classes
-from fiv_cli.plots.diagram_lines import GROWTH, is_critical_along, mark_critical
+from fiv_cli.plots.diagram_lines import is_critical_along, mark_critical
+from fiv_cli.plots.mergers import GROWTH
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import error_of, flag_names, headlines, numbers
 
@@ -112,9 +113,10 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     drawn = _marked_apart(drawn, dashed) if dashed else _seen_through(drawn)
     _draw_panels(axes, shown, drawn, dashed)
     for (ax, own), other in product(zip(axes, shown.panels, strict=True), critical):
-        having = [one.dataset for one in layers if GROWTH in one.dataset or GROWTH not in own]
+        having = shown.parts[GROWTH].values() if GROWTH in own else layers
         if any(map(_is_zero_at_turns, own)):
-            mark_critical(ax, other, having, shown.axis, of_largest=GROWTH in own)
+            datasets = [one.dataset for one in having]
+            mark_critical(ax, other, datasets, shown.axis, of_largest=GROWTH in own)
     gaps = ("undecided", *points.ENDED) if [*shown.parts] == ["attractor"] else ()
     points.dress(axes, _with_gaps(shown.along), shown.of_panels, gaps)
     style.add_notes(figure, [*_told(shown, [curve for _, curve in drawn], dashed)])

@@ -13,7 +13,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.plots import branch, labels, leaps, points, style
 from fiv_cli.plots.crossings import joined, modes_of, not_joined, parted
-from fiv_cli.plots.mergers import growth_at_mergers
+from fiv_cli.plots.mergers import GROWTH, growth_at_mergers
 from fiv_cli.plots.turns import up_to_turns
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
@@ -30,7 +30,6 @@ from fiv_cli.reading.shares import ERROR, SURE, sampling_error
 if TYPE_CHECKING:
     import xarray as xr
 
-GROWTH = "growth_rate"
 VARIABLE, DATASET = "variable", "dataset"  # what tells lines apart beside dims
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 TOO_SHORT = 2  # points, at most, of a piece that does not show what its dashes are

@@ -252,6 +252,8 @@ def _plot(
     else:
         (line,) = ax.plot(x, cut, ls="none" if apart else dash, label=label, **look)
         leave_out(line, curve.between)
+        if curve.between.size and "markevery" not in look:  # marks are of what was computed
+            line.set_markevery(np.flatnonzero(~np.isin(x, curve.between[:, 0])).tolist())
     if curve.sort:  # the colour alone
         ax.plot([], [], color=entry.colour, marker="s", ls="none", label=entry.label)
     _plot_unsure(ax, curve, shift, entry)

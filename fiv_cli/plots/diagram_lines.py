@@ -18,6 +18,7 @@ from fiv_cli.notation.names import listed
 from fiv_cli.plots import branch, labels, points, smooth, style
 from fiv_cli.plots.clouds import ALIKE, DEFAULT, SAME, observed_state
 from fiv_cli.plots.drawn import DECORATION, leave_out
+from fiv_cli.plots.mergers import GROWTH
 from fiv_cli.plots.same_parameters import differing, of_the_same
 from fiv_cli.plots.turns import up_to_turns
 from fiv_cli.reading import select
@@ -35,7 +36,7 @@ LONE: dict[str, Any] = {"marker": "o", "ms": 2.5}  # a cycle that no line leads 
 EQUILIBRIA = {"stable": ("-", 0.7), "unstable": (":", 1.1), "neutral": ("-.", 0.7)}
 TURNS_HERE = "equilibrium turns stable or unstable"
 BETWEEN = "read between points"
-GROWTH, ROUNDING = "growth_rate", 1e-9  # of the greatest: growth that is none
+ROUNDING = 1e-9  # of the greatest: growth that is none
 CRITICAL: dict[str, Any] = {
     "color": style.BLACK, "ls": "none", "marker": "D", "ms": 4.0, "mfc": "white", "mew": 0.9,
     "zorder": 5,
@@ -79,12 +80,8 @@ def mark_critical(
     ------
     UsageError : it found nothing at these parameters
     """
-    found = [
-        pair
-        for dataset in datasets
-        for pair in _critical_of_lines(other, dataset, axis, of_largest)
-    ]
-    if not any(at.size for _, at in found):
+    found = [pair for dataset in datasets for pair in _critical_of_lines(other, dataset, axis)]
+    if not any(at.size for _, at, _ in found):
         differs = listed(differing(other.dataset, datasets[0]))
         raise UsageError(
             f"{other.label}: no critical value of {axis.name} at parameters of this figure"
@@ -96,7 +93,10 @@ def mark_critical(
     colours = points.colours([ax]) if colours_tell and len(found) > 1 else {}
     apart = not colours_tell and 1 < len(found) <= len(FILLS)
     fills = FILLS[: len(found)] if apart else ()
-    for (label, at), fill in zip_longest(found, fills):
+    for (label, every, is_largest), fill in zip_longest(found, fills):
+        at = every[is_largest] if of_largest else every
+        if not at.size:
+            continue
         own = (of for name, of in colours.items() if {*label.split(", ")} <= {*name.split(", ")})
         told = points.unlisted(label, words) if colours else words
         told = f"{words}: {label}" if fill else told
@@ -107,25 +107,30 @@ def mark_critical(
 
 
 def _critical_of_lines(
-    other: points.Layer, dataset: xr.Dataset, axis: xr.DataArray, of_largest: bool
-) -> Iterator[tuple[str, np.ndarray]]:
-    """What each line of a dataset along an axis is called, and its critical values."""
+    other: points.Layer, dataset: xr.Dataset, axis: xr.DataArray
+) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """What each line of a dataset along an axis is called, its critical values, and which of them
+    are of its largest growth."""
     along = [str(axis.dims[0]), "initial"]
     for line in points.lines(dataset, along, points.grid_dims(dataset)):
         own = dataset.isel(line.index)
         parts = [of_the_same(one, own) for one in (other.dataset, *other.beside)]
         met = [critical_values(part, axis) for part in parts if part is not None]
         values = np.unique(np.concatenate([np.zeros(0), *met]))
-        yield line.label, values[_turns_here(values, own, axis)] if of_largest else values
+        yield line.label, values, _turns_here(values, own, axis)
 
 
 def _turns_here(values: np.ndarray, line: xr.Dataset, axis: xr.DataArray) -> np.ndarray:
-    """Beside which values along an axis the growth rate of a line is not positive throughout."""
+    """Beside which values along an axis the growth rate of a line is not positive throughout, as
+    far as it is known."""
+    if GROWTH not in line:
+        return np.ones(values.shape, bool)
     growth = line[GROWTH].max([dim for dim in line[GROWTH].dims if dim not in axis.dims]).values
     order = np.argsort(points.positions(axis))
     after = np.searchsorted(points.positions(axis)[order], values)
     beside = growth[order][np.clip([after - 1, after], 0, order.size - 1)]
-    return np.asarray(beside.min(axis=0) <= ROUNDING * np.nanmax(np.abs(growth)))
+    least = np.fmin.reduce(beside)
+    return np.asarray(~(least > ROUNDING * np.fmax.reduce(np.abs(growth))))
 
 
 def _changes_along(

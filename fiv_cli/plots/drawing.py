@@ -265,15 +265,19 @@ def _drawn(
         without = [one.dataset.attrs.get("without", "") for one in layers]
         told = {"", *without[:1]} if style.has_titles() else {""}  # a title tells that of the first
         untold = dict.fromkeys(word for word in without if word not in told)
-        untitled = [*_untitled(files, figure), *caption(drawn, layers[0].dataset)]
+        untitled = [
+            *_untitled(files, figure, drawn),
+            *caption(drawn, [one.dataset for one in layers]),
+        ]
         style.add_notes(drawn, [*changed(_lined(figure)), *untold, *untitled])
         return drawn
 
 
-def _untitled(files: Sequence[_File], figure: FigureSpec) -> list[str]:
+def _untitled(files: Sequence[_File], figure: FigureSpec, drawn: Figure) -> list[str]:
     """That files have no title in common, where one would stand above."""
     titles = {title_of(next(iter(held.values())).attrs) for _, held in files}
-    if len(titles) < 2 or "title" in figure.settings or not style.has_titles():
+    has_one = any(str(drawn.get_label()).startswith(title) for title in titles if title)
+    if len(titles) < 2 or has_one or "title" in figure.settings or not style.has_titles():
         return []
     return ["no title, for those of the files differ; title = TEXT in the figure of the first"]
 

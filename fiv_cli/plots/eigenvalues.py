@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import matplotlib as mpl
 import numpy as np
+from scipy.ndimage import label
 
 from fiv_cli.errors import UsageError
 from fiv_cli.plots import labels, points, style
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 PARTS = ("eigenvalue_real", "mode_frequency")
+NUMBERS = "modes that have merged have one frequency: their numbers tell them apart by growth alone"
 MOST_NAMED = 6  # modes in a legend: of more some, for their colours are a ramp
 # Mergers are interpolated between points of the grid: places that differ by less than this share of
 # the step between these are one.
@@ -37,9 +40,9 @@ DOTS: dict[str, Any] = {
     "color": style.VERMILLION, "ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0, "zorder": 4
 }  # fmt: skip
 
-# Of all that a panel shows: a distance of two lines that is not seen; at which share of points.
-UNSEEN, MOSTLY = 5e-3, 0.9
-FEWEST_HIDDEN = 2  # points: two lines that cross share so many
+# Of all that a panel shows: a distance of two lines that is not seen; at which shares of points.
+UNSEEN, MOSTLY, PARTLY = 5e-3, 0.9, 0.2
+CROSSING = 0.03  # of an axis: two lines that cross are one so far
 WIDER = 2.2  # times as wide as others: what lies beneath another
 _Drawn: TypeAlias = "tuple[np.ndarray, np.ndarray, ColorType]"
 
@@ -72,6 +75,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         points.scale(ax, of_panel)
         points.reach(ax, axis)
         _mark_mergers(ax, dataset, axis)
+    if dataset.get("coupling_point", axis).attrs.get("along") == axis.name:
+        style.add_notes(figure, [NUMBERS] * bool(dataset["coupling_point"].notnull().any()))
     axes[0].axhline(
         0.0, color=style.GREY, lw=0.8, zorder=1.8, label=DECORATION
     )  # under growth of 0
@@ -106,15 +111,18 @@ def _panel(ax: Axes, dataset: xr.Dataset, name: str, axis: xr.DataArray) -> None
             if not np.any(np.isfinite(y)):
                 continue  # under other options the model has more modes
             dash = style.dash(number, len(lines))
-            label = points.unlisted(name_of_mode, line.label)
+            name_of_line = points.unlisted(name_of_mode, line.label)
             after, places, values = mergers(part, axis, mode)
             met = values.real if name == PARTS[0] else _frequencies(values, part[name])
             whole = np.insert(x, after, places), np.insert(y, after, met)
-            (drawn_line,) = ax.plot(*whole, ls=dash, color=colour, label=label)
+            (drawn_line,) = ax.plot(*whole, ls=dash, color=colour, label=name_of_line)
             leave_out(drawn_line, np.column_stack([places, met]))
             drawn |= {name_of_mode: colour}
             of_modes.setdefault(name_of_mode, []).append((line.label, y))
-            _mark(ax, *whole, np.insert(growth, after, values.real), look)
+            if look is BAND:
+                _mark_band(ax, *whole, np.insert(growth, after, values.real))
+            else:
+                _mark_points(ax, x, y, growth)
             _widen_beneath(ax, whole, dash, beneath, dataset[name])
             beneath.append((*whole, colour))
     style.add_notes(ax.figure.figure, [*_upon_one_another(dataset[name], of_modes)])
@@ -139,12 +147,20 @@ def _widen_beneath(
     x, y = line
     for its_x, its_y, colour in beneath:
         order = np.argsort(its_x)
-        hidden = np.abs(np.interp(x, its_x[order], its_y[order]) - y) <= _unseen(variable)
-        if hidden.sum() > FEWEST_HIDDEN:
+        near = np.abs(np.interp(x, its_x[order], its_y[order]) - y) <= _unseen(variable)
+        hidden = _long(near, x)
+        if hidden.any():
             look = {"lw": WIDER * mpl.rcParams["lines.linewidth"], "zorder": 1.9}
             shown = np.where(hidden, y, np.nan)
             ax.plot(x, shown, ls=_of_width(dash), color=colour, label=DECORATION, **look)
             return
+
+
+def _long(near: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """What of the points at which two lines are near is a stretch of them, and no crossing."""
+    groups, count = label(near)
+    wide = [np.ptp(x[groups == one]) > CROSSING * np.ptp(x) for one in range(1, count + 1)]
+    return np.append(False, wide)[groups]
 
 
 def _of_width(dash: Any) -> Any:
@@ -167,20 +183,23 @@ def _unseen(variable: xr.DataArray) -> float:
 def _upon_one_another(
     variable: xr.DataArray, of_modes: Mapping[str, Sequence[tuple[str, np.ndarray]]]
 ) -> Iterator[str]:
-    """That lines of one mode are one nearly everywhere, to what is seen: one hides the other."""
+    """That lines of one mode are one nearly everywhere, or along a part, to what is seen: one hides
+    the other."""
     least = _unseen(variable)
-    pairs = [
-        (mode, one, other)
+    shares = [
+        (mode, one, other, np.mean((np.abs(y - its) <= least)[np.isfinite(y + its)]))
         for mode, lines in of_modes.items()
         for (one, y), (other, its) in combinations(lines, 2)
-        if (np.abs(y - its) <= least).sum() >= MOSTLY * max(np.isfinite(y + its).sum(), 2)
+        if np.isfinite(y + its).sum() > 1
     ]
+    pairs = [pair for pair in shares if pair[-1] >= PARTLY]
     if pairs:
-        mode, one, other = pairs[0]
+        mode, one, other, share = max(pairs, key=itemgetter(-1))
+        where = "nearly everywhere" if share >= MOSTLY else "along a part"
         more = f", and {len(pairs) - 1} more such pairs" if len(pairs) > 1 else ""
         yield (
             f"{variable.name}: {mode} is one line at {in_one_line(one)} and {in_one_line(other)}, "
-            f"nearly everywhere{more}; select in the figure draws one of them alone"
+            f"{where}{more}; select in the figure draws one of them alone"
         )
 
 
@@ -203,18 +222,18 @@ def _up_to_turns(
     return whole[0], whole[1], np.insert(unstable, at + 1, True)
 
 
-def _mark(
-    ax: Axes, x: np.ndarray, y: np.ndarray, growth: np.ndarray, look: Mapping[str, Any]
-) -> None:
-    """Some of the unstable points of a line as dots, or all as a band."""
-    if look is DOTS:
-        marked = np.flatnonzero(growth > 0.0)[:: max(1, x.size // MARKED)]
-        ax.plot(x[marked], y[marked], label=DECORATION, **look)
-    else:
-        x, y, unstable = _up_to_turns(x, y, growth)
-        shown = np.where(unstable, y, np.nan)
-        alone = np.flatnonzero(points.alone(np.isfinite(shown)))
-        ax.plot(x, shown, markevery=alone.tolist(), label=DECORATION, **look)
+def _mark_points(ax: Axes, x: np.ndarray, y: np.ndarray, growth: np.ndarray) -> None:
+    """Dots on some of the unstable points of a line."""
+    marked = np.flatnonzero(growth > 0.0)[:: max(1, x.size // MARKED)]
+    ax.plot(x[marked], y[marked], label=DECORATION, **DOTS)
+
+
+def _mark_band(ax: Axes, x: np.ndarray, y: np.ndarray, growth: np.ndarray) -> None:
+    """A band along what is unstable of a line."""
+    x, y, unstable = _up_to_turns(x, y, growth)
+    shown = np.where(unstable, y, np.nan)
+    alone = np.flatnonzero(points.alone(np.isfinite(shown)))
+    ax.plot(x, shown, markevery=alone.tolist(), label=DECORATION, **BAND)
 
 
 def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:

@@ -23,6 +23,8 @@ suits = motion.suits
 # A bar at the top of a panel: however short a stick is, it is seen.
 OTHER_STICKS: dict[str, Any] = {"fc": "#555555", "ec": "#555555", "lw": 0.5}
 BAR = {"ymin": 0.965, "ymax": 1.0}
+# A stretch that is narrower than this share of a motion has an edge: it would not be seen.
+THIN, THIN_SHADE = 2e-3, {"lw": 0.6, "alpha": 0.6}
 SHADES = {"slip+": 0.15, "slip-": 0.3, "stick": 0.4, "separation": 0.4}
 LETTERS = 19  # for which a panel has room at least
 COLUMNS = 600  # short times over which the range of many samples is drawn ...
@@ -118,7 +120,8 @@ def _panel(
     ax: Axes, one: motion.Motion, name: str, settings: points.Settings, *, coarse: bool
 ) -> None:
     for state, begin, end in motion.contact_spans(one, settings):
-        ax.axvspan(begin, end, **_shade(state))
+        thin = THIN_SHADE if end - begin < THIN * np.ptp(one.time) else {}
+        ax.axvspan(begin, end, **_shade(state) | thin)
     for _, begin, end in motion.other_sticks(one, settings):
         ax.axvspan(begin, end, **BAR, **OTHER_STICKS)
     values, many = motion.of_contact(one.data[name], settings), one.time.size > style.MANY_MARKS

@@ -210,7 +210,9 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     datasets = [dataset for _, dataset in files]
     laws = [str(one.attrs.get("law", "")) for one in datasets]
     found = (
-        laws if len(set(laws)) > 1 else [*map(", ".join, zip(*_differing(datasets), strict=True))]
+        laws
+        if len(set(laws)) > 1
+        else [", ".join(filter(None, words)) for words in zip(*_differing(datasets), strict=True)]
     )
     branches = ["branch_value" in one for one in datasets]  # they are called as their diagram is
     named = [name for name, branch in zip(found, branches, strict=False) if not branch] or found
@@ -277,15 +279,17 @@ def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
         numbers = (one.item() for one in values)
         differ.setdefault((values[0].attrs.get("units"), *numbers), []).append(values)
     chosen = _chosen_otherwise(datasets)
-    few = differ.values() if len(differ) + len(chosen) <= MOST_PARAMETERS else ()
-    return [*([*map(_equal, zip(*values, strict=True))] for values in few), *chosen]
+    if len(differ) + len(chosen) > MOST_PARAMETERS:
+        return []
+    return [*([*map(_equal, zip(*values, strict=True))] for values in differ.values()), *chosen]
 
 
 def _chosen_otherwise(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
-    """Of options, and of parameters that some tie to another one, what each dataset has."""
+    """Of options that all have, and of parameters that some tie to another one, what each has."""
     options = [json.loads(one.attrs.get("options_json", "{}")) for one in datasets]
     ties = [_ties(one) for one in datasets]
-    names = dict.fromkeys(name for one in (*options, *ties) for name in one)
+    shared = [name for name in options[0] if all(name in one for one in options)]
+    names = dict.fromkeys([*shared, *(name for one in ties for name in one)])
     each = [
         [_chosen(name, *own) for own in zip(datasets, options, ties, strict=True)] for name in names
     ]

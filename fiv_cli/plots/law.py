@@ -28,13 +28,17 @@ Given = tuple[Law, Mapping[str, float]]
 
 
 def draw_laws(
-    wanted: Sequence[str], look: style.Look | None = None, fastest: float = FASTEST
+    wanted: Sequence[str],
+    look: style.Look | None = None,
+    fastest: float = FASTEST,
+    called: Sequence[str] = (),
 ) -> Figure:
     """Laws, each as ``NAME`` or ``NAME:PARAMETER=VALUE,...``; the rest by its table.
 
     Parameters
     ----------
     fastest : greatest slip velocity, m/s
+    called : what each is called, if not by its name and parameters
 
     Raises
     ------
@@ -42,7 +46,8 @@ def draw_laws(
     """
     laws = [_given(words) for words in wanted]
     with style.looks(look=look):
-        figure = _draw(laws, fastest)
+        names = called or [f"{law.name} ({_values(law, given)})" for law, given in laws]
+        figure = _draw(laws, names, fastest)
         fitting.finish(figure)
         return figure
 
@@ -66,12 +71,12 @@ def _given(words: str) -> Given:
     return law, law.completed(given)
 
 
-def _draw(laws: Sequence[Given], fastest: float) -> Figure:
+def _draw(laws: Sequence[Given], names: Sequence[str], fastest: float) -> Figure:
     figure, (ax,) = style.new_panels(1, 1, _title([law for law, _ in laws]))
     for number, given in enumerate(laws):
         colour = style.line_colours(len(laws))[number]
         look = {"color": colour, "ls": style.dash(number, len(laws))}
-        _curve(ax, given, fastest, look, alone=len(laws) == 1)
+        _curve(ax, given, names[number], fastest, look, alone=len(laws) == 1)
     if len(laws) > 1:  # upon one another they would not be told apart
         _mark_held(ax, laws)
     forces = [not _scales_with_load(law) for law, _ in laws]
@@ -80,10 +85,11 @@ def _draw(laws: Sequence[Given], fastest: float) -> Figure:
         raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
     ax.set_ylabel("$F_T$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
-    several = len({_held(*given) for given in laws} - {0.0}) > 1
-    marks: dict[str, Any] = {"marker": "_", "ms": TICK, "mew": 1.2} if several else {}
-    told = f"held in stick{': each law to its mark' * several}"
-    ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label=told, **marks)
+    if held := {_held(*given) for given in laws} - {0.0}:
+        several = len(held) > 1
+        marks: dict[str, Any] = {"marker": "_", "ms": TICK, "mew": 1.2} if several else {}
+        told = f"held in stick{': each law to its mark' * several}"
+        ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label=told, **marks)
     legends.colour_keys([ax])
     legends.legend_below(figure, legends.told_in([ax])[0])
     return figure
@@ -120,11 +126,12 @@ def _scales_with_load(law: Law) -> bool:
     return bool(sympy.sympify(expression).has(load))
 
 
-def _curve(ax: Axes, given: Given, fastest: float, look: dict[str, Any], alone: bool) -> None:
+def _curve(
+    ax: Axes, given: Given, name: str, fastest: float, look: dict[str, Any], alone: bool
+) -> None:
     """Both branches, and between them what the contact can hold in stick: of several, its ends."""
     law, parameters = given
     speed = np.linspace(fastest / SAMPLES, fastest, SAMPLES) - fastest / SAMPLES * (1 - 1e-9)
-    name = f"{law.name} ({_values(*given)})"
     for velocity, label in ((-speed[::-1], name), (speed, f"_{name}")):
         ax.plot(velocity, force(law, velocity, parameters), label=label, **look)
     if held := _held(*given):
@@ -136,7 +143,8 @@ def _mark_held(ax: Axes, laws: Sequence[Given]) -> None:
     """One line of what any law holds, with a mark at its ends of each; black of all that agree."""
     held = [_held(*given) for given in laws]
     look: dict[str, Any] = {"color": style.BLACK, "lw": 1.2, "label": DECORATION}
-    ax.plot([0.0, 0.0], [-max(held), max(held)], STICK, **look)
+    if max(held) > 0.0:
+        ax.plot([0.0, 0.0], [-max(held), max(held)], STICK, **look)
     for alike in {value for value in held if value and held.count(value) > 1}:
         ends = {"ls": "none", "marker": "_", "ms": TICK, "zorder": 3}
         ax.plot([0.0, 0.0], [-alike, alike], **look | ends)

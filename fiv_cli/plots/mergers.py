@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ from fiv_cli.plots import points
 if TYPE_CHECKING:
     import xarray as xr
 
+GROWTH = "growth_rate"
 NEAR = 4  # places on each side of a merger, between it and the points beside it ...
 FRACTIONS = np.linspace(0.0, 1.0, NEAR + 2)[1:-1] ** 2  # ... as shares of the way to these
 
@@ -69,17 +71,22 @@ def growth_at_mergers(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Before which points of a line modes merge, where, and the largest growth rate there, rad/s.
 
-    It has a corner there: of the modes that do not merge it is read between their points.
+    It has a root there. Modes that do not merge, some of which a model may not have under all of
+    its options, are read between their points.
     """
     real = part["eigenvalue_real"].transpose(str(axis.dims[0]), "mode").values
     every = [mergers(part, axis, mode) for mode in range(real.shape[1])]
-    x = points.positions(axis)
-    met = sorted({pair for after, at, _ in every for pair in zip(after, at, strict=True)})
-    largest = []
-    for point, place in met:
-        share = (place - x[point - 1]) / (x[point] - x[point - 1])
-        straight = real[point - 1] + share * (real[point] - real[point - 1])
-        merged = [values.real[at == place].max(initial=-np.inf) for _, at, values in every]
-        largest.append(np.where(np.isfinite(merged), merged, straight).max())
-    after, places = np.array(met).reshape(-1, 2).T
-    return after.astype(int), places, np.array(largest)
+    x, found = points.positions(axis), []
+    for point in sorted({*chain(*(after.tolist() for after, _, _ in every))}):
+        own = [(at[after == point], values.real[after == point]) for after, at, values in every]
+        begin, step = x[point - 1], x[point] - x[point - 1]
+        places = np.concatenate([at for at, _ in own])
+        shares, first = np.unique((places - begin) / step, return_index=True)
+        lines = [
+            np.interp(shares, [0.0, *(at - begin) / step, 1.0], [before, *values, behind])
+            for (at, values), before, behind in zip(own, *real[point - 1 : point + 1], strict=True)
+        ]
+        found.append((np.full(shares.size, point), places[first], np.fmax.reduce(lines)))
+    none = np.zeros(0, int), np.zeros(0), np.zeros(0)
+    after, at, largest = map(np.concatenate, zip(none, *found, strict=True))
+    return after, at, largest

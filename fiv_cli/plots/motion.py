@@ -277,12 +277,14 @@ def of_contact(array: xr.DataArray, settings: points.Settings) -> np.ndarray:
 def _contact(array: xr.DataArray, settings: points.Settings) -> int:
     """The number of the contact that is drawn: the figure's, else the one that colours are about,
     else the first that is selected."""
-    selected = array["contact"].values[0] if "contact" in array.coords else 1
-    return int(np.atleast_1d(settings.get("contact", settings.get("coloured", selected)))[0])
+    known = np.atleast_1d(array["contact"].values) if "contact" in array.coords else [1]
+    coloured = settings.get("coloured", known[0])
+    selected = coloured if coloured in known else known[0]
+    return int(np.atleast_1d(settings.get("contact", selected))[0])
 
 
 def about_one_that_sticks(every: Sequence[Motion], settings: points.Settings) -> points.Settings:
-    """The settings of a figure whose colours are about the first contact that sticks, if any."""
+    """The settings of a figure that is, where it names no contact, about the first that sticks."""
     for motion in every:
         states = motion.data["contact_state"]
         if "contact" in states.dims:
@@ -350,7 +352,7 @@ def contact_spans(motion: Motion, settings: points.Settings) -> Iterator[tuple[s
     borders = [motion.time[0], *(event.time for event in changes), motion.time[-1]]
     states = [changes[0].before if changes else first, *(event.after for event in changes)]
     for state, begin, end in zip(states, borders[:-1], borders[1:], strict=True):
-        if begin < end:
+        if end - begin > CLOSE * np.ptp(motion.time):
             yield state, begin, end
 
 

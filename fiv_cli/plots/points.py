@@ -71,7 +71,7 @@ class Settings(TypedDict, total=False):
     ylabel: str
     unit: str
     resolution: float | str
-    coloured: int  # no key of the table: the contact that colours are about if it names none
+    coloured: int  # no key of the table: the contact that is shown, in colours, if it names none
 
 
 @dataclass(frozen=True)
