@@ -99,10 +99,17 @@ class CriticalLines:
         return [at for at in outer if any(own[at].any() for own in inside)]
 
     def keys(self, colour: ColorType) -> list[Line2D]:
-        """Its entry of a legend."""
+        """Its entry of a legend and, beside lines, that of places that no line leads through."""
         pieces = [piece for panel in self.panels for piece in self._pieces(panel)]
-        look = self._look(max(pieces, key=lambda piece: piece[0].size)) if pieces else {}
-        return [Line2D([], [], color=colour, label=self._words, **look)] if pieces else []
+        pieces.sort(key=lambda piece: piece[0].size, reverse=True)
+        looks = [self._look(piece) for piece in pieces[:1]]
+        if pieces and pieces[0][0].size > 1 == pieces[-1][0].size:
+            looks.append(self._look(pieces[-1]))
+        told = (self._words, f"{self._words}, at one place alone")
+        return [
+            Line2D([], [], color=colour, label=label, **look)
+            for label, look in zip(told, looks, strict=False)
+        ]
 
     def draw(self, ax: Axes, panel: points.Line, colour: ColorType) -> tuple[()]:
         """Draw the lines of one panel, whose ranges stay as they are; they have no levels."""

@@ -529,7 +529,7 @@ def pale(colour: ColorType) -> str:
 def dot_size(columns: int, width: float = PANEL[0]) -> float:
     """Diameter (points) of the dots of a diagram, `width` inches wide, with so many columns."""
     roomy = ROOMY * min(1.0, width / PANEL[0])
-    return min(2.8, max(1.6, 2.8 * math.sqrt(roomy / max(columns, 1))))
+    return min(2.8, max(1.5, 2.8 * math.sqrt(roomy / max(columns, 1))))
 
 
 def finer(marks: int) -> float:
