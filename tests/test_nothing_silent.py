@@ -241,7 +241,9 @@ def test_every_analysis_ends_with_its_answer(
     lines = capsys.readouterr().err.splitlines()
     found = api.read(output)["boundary"]["boundary"]
     ends = f"{float(found.min()):.6g} to {float(found.max()):.6g}"
-    assert f"  boundary: boundary {ends} m s-1 ({int(found.count())})" in lines
+    errors = api.read(output)["boundary"]["boundary_error"]
+    count = f"{int(found.count())}, within {float(errors.max()):.2g}"
+    assert f"  boundary: boundary {ends} m s-1 ({count})" in lines
     assert "  history: 2 answers" in lines
     told = lines.index("  cycle: 0 answers")
     assert lines[told + 1].startswith("    no_cycle 2: ")
