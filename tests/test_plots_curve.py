@@ -295,6 +295,19 @@ def test_critical_values_lie_where_amplitudes_begin():
         draw([("a", found), ("b", critical)], wanted)
 
 
+def test_that_undecided_values_of_two_variables_look_alike_is_told():
+    dataset = with_x_rms("m2")
+    dataset["L_s"] = dataset["L_s"].assign_attrs(units="m2")
+    both, alone = (figure("curve", variable=of) for of in (["L_s", "x_rms"], "L_s"))
+    decided = dataset.copy(deep=True)
+    undecided = data.codes(data.ATTRACTORS, "undecided")
+    at = decided["attractor"].values == undecided
+    decided["attractor"].values[at] = data.codes(data.ATTRACTORS, "periodic")
+    for of, asked, count in ((dataset, both, 1), (dataset, alone, 0), (decided, both, 0)):
+        notes = style.notes_on(draw(of, asked))
+        assert sum("look alike for" in note for note in notes) == count
+
+
 def test_series_of_a_curve_without_a_name_of_their_own_have_no_comma():
     assert points.unlisted("", "stable cycle") == points.unlisted("_", "stable cycle")
     assert points.unlisted("_near", "stable cycle") == "_near, stable cycle"

@@ -195,6 +195,7 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     yield from _of_crossings(shown.parts, shown.axis)
     yield from _of_branches_not_drawn(shown.parts, shown.axis)
     known = [one for one in every if one.is_known]
+    yield from _of_undecided(known, shown.panels)
     words = {dim: {one.words.get(dim) for one in known} for one in known for dim in one.words}
     dims = [d for d, told in words.items() if len(told) > 1 and d not in {VARIABLE, DATASET}]
     names = [one.without(dashed) for one in known]
@@ -204,6 +205,19 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
         told = [one for one in every if one.of_crossings == crossings and one.apart]
         for one in told if crossings else told[:MOST_TOLD]:
             yield from broken(one.label or shown.first, shown.axis.name, one.apart, x)
+
+
+def _of_undecided(
+    every: Sequence[Curve], panels: Sequence[Mapping[str, xr.DataArray]]
+) -> Iterator[str]:
+    """That marks of undecided values do not tell variables of one panel apart."""
+    named = [{labels.name_of(array) for array in own.values()} for own in panels]
+    hollow = {one.words.get(VARIABLE) for one in every if np.isfinite(one.y[one.open]).any()}
+    for alike in (own & hollow for own in named if len(own & hollow) > 1):
+        yield (
+            f"values of undecided motions look alike for {listed(sorted(alike))}: a longer t_max "
+            "decides most; --figure curve --variable NAME draws one alone"
+        )
 
 
 def _alone_unnamed(layers: Sequence[points.Layer], axis: xr.DataArray) -> list[points.Layer]:
