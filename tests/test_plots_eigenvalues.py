@@ -372,6 +372,12 @@ def test_what_several_laws_hold_in_stick_is_one_line_with_the_end_of_each():
     assert "held in stick" not in legend_texts(draw_laws(["dahl", "lugre"]))  # neither sticks
 
 
+@pytest.mark.parametrize(("fastest", "told"), [(1.0, 0), (5.0, 1)])
+def test_that_one_law_flattens_the_others_is_told(fastest, told):
+    notes = style.notes_on(draw_laws(["coulomb", "cubic"], fastest=fastest))
+    assert sum(note.startswith("cubic reaches ") for note in notes) == told
+
+
 def test_laws_are_drawn_with_the_parameters_that_are_given():
     wanted = ["stribeck:v_s=5 cm/s, mu_s=0.5", "stribeck", "exponential:mu_s=0.6"]
     (ax,) = draw_laws(wanted, fastest=0.1).axes

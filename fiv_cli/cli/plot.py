@@ -198,12 +198,15 @@ def _of_laws(
     """(default path, figure) of the laws in one figure."""
     from fiv_cli.own.load import seek
     from fiv_cli.plots import draw_laws
+    from fiv_cli.plots.style import notes_on
 
     parts = [law.partition(":") for law in laws]
     laws = ["".join([seek(name), *changes]) for name, *changes in parts]
     names = dict.fromkeys(law.partition(":")[0].replace(" ", "-") for law in laws)
     given = {} if speed is None else {"fastest": speed}
     figure = draw_laws(laws, look, called=called, **given)
+    for note in notes_on(figure):
+        click.echo(f"figure of laws: {note}", err=True)
     return [(Path("runs") / f"law-{'-'.join(names)}.png", figure)]
 
 

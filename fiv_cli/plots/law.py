@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 FASTEST = 2.0  # m/s
 SAMPLES = 801
 STICK = ":"
+FLAT = 5.0  # times as high as all others: what makes these look flat
 TICK = 9.0  # size of the mark of what a law holds, pt
 
 Given = tuple[Law, Mapping[str, float]]
@@ -90,9 +91,23 @@ def _draw(laws: Sequence[Given], names: Sequence[str], fastest: float) -> Figure
         marks: dict[str, Any] = {"marker": "_", "ms": TICK, "mew": 1.2} if several else {}
         told = f"held in stick{': each law to its mark' * several}"
         ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label=told, **marks)
+    style.add_notes(figure, [*_flattened(laws, fastest)])
     legends.colour_keys([ax])
     legends.legend_below(figure, legends.told_in([ax])[0])
     return figure
+
+
+def _flattened(laws: Sequence[Given], fastest: float) -> Iterator[str]:
+    """That one law reaches so far that the others look flat."""
+    speed = np.linspace(fastest / SAMPLES, fastest, SAMPLES)
+    reach = [float(np.abs(force(law, speed, given)).max()) for law, given in laws]
+    *others, most = sorted(reach)
+    if others and most > FLAT * others[-1]:
+        law = laws[reach.index(most)][0].name
+        yield (
+            f"{law} reaches {most:.3g}, the others {others[-1]:.3g}, which look flat: "
+            "a lower --speed, or it alone"
+        )
 
 
 def _title(laws: Sequence[Law]) -> str:
