@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fiv_cli.plots import style
 from fiv_cli.plots.drawn import in_one_line
 from fiv_cli.plots.labels import title_of, value_label
+from fiv_cli.reading.causes import case_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +30,7 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
 
 def _given(dataset: xr.Dataset) -> Iterator[str]:
     """The parameters of which the case gives one number, as the dataset has them."""
-    case = _case(dataset)
+    case = case_of(dataset.attrs)
     tables = (_table(_table(case, "model"), "parameters"), _table(case, "friction"))
     for name in (name for table in tables for name in table):
         held = dataset.coords.get(name)
@@ -46,7 +46,7 @@ def _random_starts(dataset: xr.Dataset) -> Iterator[str]:
     if "initial." in dataset.attrs.get("overrides", ""):
         return
     shown = [str(one) for one in dataset["initial"].values.ravel()] if "initial" in dataset else []
-    for start in _case(dataset).get("initial", []):
+    for start in case_of(dataset.attrs).get("initial", []):
         label = str(start.get("label"))
         is_shown = "share" in dataset or any(one.startswith(f"{label}-") for one in shown)
         if start.get("kind") == "random" and is_shown:
@@ -58,11 +58,3 @@ def _table(of: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     """A table of a table; an empty one where it is none, as in a case of others."""
     found = of.get(key, {})
     return found if isinstance(found, Mapping) else {}
-
-
-def _case(dataset: xr.Dataset) -> Mapping[str, Any]:
-    """The tables of the case; none of what was made without one."""
-    try:
-        return tomllib.loads(str(dataset.attrs.get("case", "")))
-    except tomllib.TOMLDecodeError:
-        return {}

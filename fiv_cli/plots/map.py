@@ -592,13 +592,9 @@ def _paint_classes(
             _mark_covered(ax, planes, place == sorted(present).index(codes[UNDECIDED]))
             rims.add(UNDECIDED)
     handles = [
-        Patch(
-            fc=colour,
-            ec=style.BLACK if name in rims else colour,
-            lw=RIM,
-            label=name.replace("_", " "),
-        )
+        Patch(label=name.replace("_", " "), fc=colour, **edge)
         for colour, name in zip(colours, present.values(), strict=True)
+        for edge in [{"ec": style.BLACK, "lw": RIM} if name in rims else {"ec": colour}]
     ]
     legend_below(figure, [*handles, *lines], why_missing(dataset, known))
 

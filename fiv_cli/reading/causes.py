@@ -59,12 +59,17 @@ def settings_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in told.items() if ".settings." in name}
 
 
+def case_of(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of the case of a dataset; none of one that nobody has made from a case."""
+    try:
+        return tomllib.loads(str(attributes.get("case", "")))
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
 def _starts(attributes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Label of a start, or what ``--set`` says of one -> what the case says of it."""
-    try:
-        tables = tomllib.loads(attributes.get("case", "")).get("initial", [])
-    except tomllib.TOMLDecodeError:  # of a dataset that nobody has made from a case
-        return {}
+    tables = case_of(attributes).get("initial", [])
     own = {f"start {one.get('label', number)}": _flat(one) for number, one in enumerate(tables)}
     said = (line.partition("=") for line in attributes.get("overrides", "").splitlines())
     changed = {name: value for name, _, value in said if name.startswith("initial")}
