@@ -506,6 +506,9 @@ def test_a_share_of_random_starts_has_a_standard_error(labels, error):
     assert verdict.verdict == CONFIRMED
     assert verdict.standard_error == error
     assert ("standard error 0.25" in verdict.found) == (error is not None)
+    assert ("more starts tell" in verdict.found) == (error is not None)
+    sure = replace(said, expect=claim("attractor", {"less_than": 1.5}, take=take).expect)
+    assert "more starts tell" not in evaluate(sure, {"": dataset}, lambda _: None, {"many"}).found
 
 
 @pytest.mark.parametrize(

@@ -467,7 +467,7 @@ def test_what_another_output_holds_of_the_same_case_is_told_before_it_is_run_ane
     longer = ["run", "pin.toml", "--set", "grid.N0=[10.0, 20.0, 30.0]"]
     capsys.readouterr()
     assert fiv([*longer, "-o", "other.nc", "--max-points", "1"]) == 8
-    told = "4 points of it lie in runs/pin.run; the same command with -o runs/pin.nc uses them"
+    told = "4 points of it lie in runs/pin.run; the same run with -o runs/pin.nc (in Python: "
     assert told in capsys.readouterr().err
     assert fiv([*longer, "-o", "other.nc", "--max-points", "1"]) == 8  # it has points of its own
     assert fiv([*longer, "-o", "other.nc", "--max-points", "1", "--fresh"]) == 8

@@ -87,6 +87,8 @@ def test_words_of_the_field_lead_to_what_is_called_otherwise_here(
         assert run(["kinds", word]) == 2
         told = capsys.readouterr().err
         assert f"\n  fiv kinds {kind}: " in told, word
+    assert run(["kinds", "box"]) == 2
+    assert "it is a setting: fiv kinds random\n" in capsys.readouterr().err
     case = tmp_path / "belt.toml"
     case.write_text(BELT + '\n[[initial]]\nkind = "hysteresis"\n')
     assert run(["check", str(case)]) == 3

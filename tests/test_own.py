@@ -396,6 +396,7 @@ def test_a_name_that_a_law_declares_is_no_other_spelling_of_another():
     [
         ("sigma_0 = 1.0", "'sigma_0'(.|\n)*'sigma_0' is of law dahl,"),
         ('law = "linear-slope"\nmu_1 = 0.1', "unknown parameter 'mu_1'\n"),
+        ("k_nl = 1.0", r"'k_nl' is of model .*disc-nonlinear-contact.* \(fiv models k_nl\)"),
         ("other-law.mu_0 = 0.1", "law.py has it"),
     ],
 )

@@ -617,6 +617,17 @@ def test_a_line_breaks_where_any_mark_of_its_motion_leaps():
         assert [len(piece) for piece in known.split("-")] == pieces
 
 
+def test_where_a_mark_alone_tells_another_cycle_a_small_step_breaks_a_line_too():
+    """Of the same kind, as a cycle that sticks for longer; a steady staircase has no such step."""
+    sticks = np.array([475, 479, 483, 486, 489, 558, 557, 557, 557, 556]) * 1e-3
+    heights = np.array([769, 767, 765, 764, 763, 755, 756, 756, 757, 757]) * 1e-4
+    kinds = np.full(10, 1.0 + leaps.MANY)
+    for mark, breaks in ((sticks, [4]), (np.linspace(0.4, 0.6, 10), [])):
+        own, surely = leaps.told_apart(kinds, [xr.DataArray(mark)])
+        found = leaps.leaps(heights, own, (0.0, 0.08), False, surely)
+        assert np.flatnonzero(found).tolist() == breaks
+
+
 @pytest.mark.parametrize(
     ("to", "breaks"),
     [
@@ -993,7 +1004,8 @@ def test_cycles_of_the_same_case_are_dashed_where_they_are_unstable():
     assert low[:, 0].max() < 2.0
     assert {*low[:, 1], *high[:, 1]} == {0.02, 0.09}
     assert r"unstable cycle: extremes of $\varphi$" in legend_texts(ax)
-    assert any("stable cycles on another section" in note for note in style.notes_on(ax.figure))
+    told = [note for note in style.notes_on(ax.figure) if "cycles on another section" in note]
+    assert [note.partition(" ")[0] for note in told] == ["stable", "unstable"]
 
 
 def test_cycles_lie_over_a_diagram_whichever_start_of_it_is_selected():

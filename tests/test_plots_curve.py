@@ -49,7 +49,7 @@ def test_a_curve_has_a_line_for_every_start_and_none_leads_to_another_class():
     hollow, _ = [line for line in ax.lines if line.get_markerfacecolor() == "none"]
     assert hollow.get_linestyle() == "None"
     assert np.array_equal(hollow.get_ydata(), dataset["L_s"].values[undecided])
-    assert ax.get_ylabel() == "$L_s$ (rad$^{2}$)"
+    assert ax.get_ylabel() == "$L_s$ ($10^{-3}$ rad$^{2}$)"
 
 
 def test_what_is_taken_over_undecided_points_is_called_undecided():
@@ -290,6 +290,17 @@ def test_critical_values_lie_where_amplitudes_begin():
     wanted = figure("curve", variable="phi_amplitude")
     (ax,) = draw([("a", found), ("b", critical)], wanted).axes
     assert marks(ax, "critical value of $\\Omega$").tolist() == [[3.1, 0.0], [99.0, 0.0]]
+    several = found.expand_dims(N0=[1.0, 2.0]).copy(deep=True)
+    several["phi_amplitude"].values[1] *= 2.0
+    several["theta_amplitude"] = several["phi_amplitude"].assign_attrs(units="m")
+    two = critical.expand_dims(N0=[1.0, 2.0])
+    wanted = figure("curve", x="Omega", variable=["phi_amplitude", "theta_amplitude"])
+    upper, lower = (
+        [one.get_color() for one in ax.lines if "critical" in str(one.get_label())][:2]
+        for ax in draw([("a", several), ("b", two)], wanted).axes
+    )
+    assert upper == lower and len({*upper}) == 2  # of the lines, in every panel
+    wanted = figure("curve", variable="phi_amplitude")
     critical["critical_value"].attrs["long_name"] = "critical value of N0"
     with pytest.raises(UsageError, match="no phi_amplitude"):
         draw([("a", found), ("b", critical)], wanted)
@@ -481,6 +492,8 @@ def test_a_curve_shows_variables_of_several_analyses():
     with pytest.raises(UsageError, match="initial: no axis"):
         wanted = figure("curve", x="initial", variable=["L_s", "critical_value"])
         draw({"critical": critical, "motion": motion}, wanted)
+    with pytest.raises(UsageError, match=r"F_T: not in this dataset(.|\n)*`fiv history` does"):
+        draw(data.bifurcation(), figure("curve", variable="F_T"))
     with pytest.raises(UsageError, match="L_s: not in this dataset"):
         wanted = figure("curve", analysis="critical", variable="L_s")
         draw({"critical": critical, "motion": motion}, wanted)

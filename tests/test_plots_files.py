@@ -1,7 +1,10 @@
 """Figures as files."""
 
-from itertools import combinations
+import csv
+import json
+from itertools import combinations, pairwise
 
+import numpy as np
 import pytest
 import synthetic_datasets as data
 from plotted import figure
@@ -28,6 +31,51 @@ def test_the_same_data_gives_the_same_bytes(tmp_path, suffix, dataset):
     assert contents[0] == contents[1]
 
 
+def test_a_caption_has_the_law_and_the_few_starts_of_a_table_and_all_that_advances_together():
+    case = "[friction]\nlaw = 'stribeck'\n[[initial]]\nlabel = 'mine'\nkind = 'table'\n"
+    found = data.bifurcation().assign_coords(initial=["mine-000", "mine-001"])
+    states = np.broadcast_to([[0.5, 2.0], [0.25, 0.0]], (found.sizes["Omega"], 2, 2))
+    found["initial_state"] = ("Omega", "initial", "state"), states
+    units = {"state": ["phi", "phi_dot"], "state_units": ("state", ["rad", "rad s-1"])}
+    found = found.assign_coords(units).assign_attrs(case=case, law="stribeck")
+    found.attrs["starts_json"] = json.dumps({"mine": "table"})
+    (note,) = style.notes_on(draw(found, figure("curve"), look=look_of("paper")))
+    assert note == (
+        "for the caption: law: stribeck; mine 000: phi = 0.5 rad, phi_dot = 2 rad s-1; "
+        "mine 001: phi = 0.25 rad, phi_dot = 0 rad s-1; "
+        "lines break where the class of motion changes"
+    )
+    together = data.bifurcation().isel(initial=[0]).rename(initial="pair")
+    together = together.assign_coords(
+        c1=("pair", [20.0], {"units": "N s m-1"}), c2=("pair", [4.0], {"units": "N s m-1"})
+    ).drop_vars("pair")
+    told = style.notes_on(draw(together, figure("curve"), look=look_of("paper")))
+    assert "c1 = 20 N s/m, c2 = 4 N s/m" in told[-1].replace("_", "")
+
+
+def test_ticks_are_in_the_power_of_ten_that_the_label_has_beside_the_unit(tmp_path):
+    """It stood over the label of a narrow panel; a table has the numbers themselves."""
+    found = data.stability_map().assign_coords(
+        Omega=lambda of: of["Omega"].copy(data=1e4 * of["Omega"].values)
+    )
+    found["Omega"].attrs["units"] = "N m-1"
+    drawn = draw(found, figure("map", variable="L_s"), look=look_of("paper"))
+    drawn.draw_without_rendering()
+    lower = [ax for ax in drawn.axes if ax.get_xlabel()]
+    for ax in lower:
+        assert ax.get_xlabel().endswith("($10^{5}$ N/m)")
+        assert not ax.xaxis.get_offset_text().get_visible()
+        boxes = [text.get_window_extent() for text in ax.get_xticklabels() if text.get_text()]
+        inside = [box for box in boxes if ax.bbox.x0 < 0.5 * (box.x0 + box.x1) < ax.bbox.x1]
+        assert len(inside) > 1
+        assert all(one.x1 < other.x0 for one, other in pairwise(inside))
+    curve = draw(found, figure("curve", x="Omega", select={"N0": float(found["N0"][0])}))
+    save(curve, tmp_path / "a.csv")
+    rows = [*csv.DictReader((tmp_path / "a.csv").read_text().splitlines())]
+    assert {row["x_axis"] for row in rows} == {"disc speed Omega (N/m)"}
+    assert max(float(row["x"]) for row in rows) == found["Omega"].values.max()
+
+
 def test_a_figure_does_not_depend_on_the_users_configuration(tmp_path):
     import matplotlib as mpl
 
@@ -45,14 +93,18 @@ def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp
     assert drawn.get_figwidth() * 25.4 == pytest.approx(84.0)
     assert drawn.get_suptitle() == ""
     of_one = draw(data.bifurcation(), figure(kind, select={"initial": "near"}), look=paper)
-    assert "for the caption: start: near" in style.notes_on(of_one)  # which a title would tell
+    (note,) = style.notes_on(of_one)
+    assert note.startswith("for the caption: start: near")  # which a title would tell
     case = "[model]\nparameters = { N = 5.0 }\n[[initial]]\nlabel = 'any'\nkind = 'random'\n"
     given = data.bifurcation().assign_attrs(case=case).assign_coords(N=((), 5.0, {"units": "N"}))
-    assert style.notes_on(draw(given, figure(kind), look=paper)) == ["for the caption: N = 5 N"]
+    breaks = "; lines break where the class of motion changes" if kind == "curve" else ""
+    told = [f"for the caption: N = 5 N{breaks}"]
+    assert style.notes_on(draw(given, figure(kind), look=paper)) == told
     files = [("a", given), ("b", given.assign_coords(N=((), 6.0, {"units": "N"})))]
-    assert not any(
-        "caption" in note for note in style.notes_on(draw(files, figure(kind), look=paper))
-    )
+    assert not any("N = " in note for note in style.notes_on(draw(files, figure(kind), look=paper)))
+    other = [("a", given), ("b", given.assign_attrs(case="", law="stribeck"))]  # its default
+    (note,) = [n for n in style.notes_on(draw(other, figure(kind), look=paper)) if "caption" in n]
+    assert note == told[0]
     save(drawn, tmp_path / "a.svg", paper)
     written = (tmp_path / "a.svg").read_text()
     assert f'width="{84.0 / 25.4 * 72.0:.6f}'.rstrip("0") in written

@@ -529,7 +529,7 @@ def test_spectra_of_each_unit_have_a_panel():
     found = data.history(labels=("far",))
     drawn = draw(found, figure("spectrum", variable=["phi", "F_T", "theta"]))
     assert [len(ax.lines) for ax in drawn.axes] == [2, 1]
-    assert drawn.axes[0].get_ylabel() == "amplitude (rad)"
+    assert drawn.axes[0].get_ylabel() == "amplitude ($10^{-3}$ rad)"
     assert drawn.axes[1].get_ylabel().startswith("amplitude of $F_T$")
     assert drawn.axes[0].get_xlim() == drawn.axes[1].get_xlim()
 
@@ -617,6 +617,19 @@ def test_motions_need_a_history_and_a_choice():
         draw(data.bifurcation(), figure("spectrum", variable=["F_N", "F_T"]))
 
 
+@pytest.mark.parametrize(("share", "ranges"), [(0.5, 1), (0.01, 2)])
+def test_forces_of_two_contacts_have_one_range_where_none_is_flat_in_it(share, ranges):
+    found = of_two_contacts()
+    wave = np.sin(np.arange(found.sizes["time"]))
+    forces = found["F_T"].transpose("initial", "contact", "time").copy()
+    forces[:] = np.stack([wave, share * wave])
+    drawn = draw(found.assign(F_T=forces), figure("history", variable="F_T"))
+    assert len({ax.get_ylim() for ax in drawn.axes}) == ranges
+    notes = [note for note in style.notes_on(drawn) if "range of its own" in note]
+    assert len(notes) == ranges - 1
+    assert drawn.legends[0].get_title().get_text() == "colours: the contact of each panel"
+
+
 def test_motions_of_several_files_stand_side_by_side_in_a_history():
     """Each by its start, or as a cycle, stable or not; with a range for all."""
     far, near = (data.history(labels=(label,)).assign_attrs(called="") for label in ("far", "near"))
@@ -667,7 +680,7 @@ def test_a_spectrum_is_in_the_unit_asked_for(unit, label, peak):
     x, y = ax.lines[0].get_data()
     assert ax.get_xlabel() == label
     assert x[np.argmax(y)] == pytest.approx(peak, abs=x[1])
-    assert ax.get_ylabel() == r"amplitude of $\varphi$ (rad)"
+    assert ax.get_ylabel() == r"amplitude of $\varphi$ ($10^{-3}$ rad)"
 
 
 def test_spectra_along_a_parameter_are_colours_with_dots_at_growing_modes():
@@ -701,7 +714,7 @@ def test_a_single_spectrum_is_a_line_with_growing_modes_upright(unit, factor):
     assert x[np.argmax(y)] == pytest.approx(25.0 * factor)
     (upright,) = [line for line in ax.lines if line.get_label() == "unstable eigenfrequency"]
     assert upright.get_xdata()[0] == pytest.approx(20.9 * factor)
-    assert ax.get_ylabel() == "amplitude of $x$ (m)"
+    assert ax.get_ylabel() == "amplitude of $x$ ($10^{-4}$ m)"
 
 
 def test_harmonics_of_a_period_stand_where_they_are_and_not_in_the_middle_of_an_interval():

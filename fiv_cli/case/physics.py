@@ -259,11 +259,14 @@ def _in_another(name: str, elsewhere: Mapping[str, str]) -> str:
     return f"did you mean {near!r}? It stands in [{elsewhere[near]}]" if near else ""
 
 
-def _laws_with(name: str) -> str:
-    """The laws that have a parameter `name`."""
-    plain = (law for law in all_laws().values() if not law.name.startswith(TANH_OF))
-    having = [law.name for law in plain if name in {p.name for p in law.parameters}]
-    return f"{name!r} is of law {listed(having)}" if having else ""
+def _others_with(name: str) -> str:
+    """The laws or, if there are none, the models that have a parameter `name`."""
+    plain = [law for law in all_laws().values() if not law.name.startswith(TANH_OF)]
+    of_laws = [law.name for law in plain if name in {p.name for p in law.parameters}]
+    models = all_models().values()
+    of_models = [model.name for model in models if name in {p.name for p in model.parameters}]
+    kind, having = ("law", of_laws) if of_laws else ("model", of_models)
+    return f"{name!r} is of {kind} {listed(having)} (fiv models {name})" if having else ""
 
 
 def _leaders(model: Model, table: ModelTable) -> dict[str, str]:
@@ -422,7 +425,7 @@ class _Reader:
                 home = elsewhere.get(name)
                 hint = f"{name!r} stands in [{home}]: write it there" if home else ""
                 hint = hint or counterpart(name, known) or _in_another(name, elsewhere)
-                hint = hint or " ".join(filter(None, (suggest(name, meanings), _laws_with(name))))
+                hint = hint or " ".join(filter(None, (suggest(name, meanings), _others_with(name))))
                 self.report.unknown(place, f"unknown parameter {key!r}", name, meanings, hint)
             elif name in found:
                 self.report.add(place, f"{name} is given twice")

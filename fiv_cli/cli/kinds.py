@@ -85,6 +85,10 @@ def _refuse_unknown(name: str, kinds: Sequence[Kind]) -> None:
     if found:
         told = "\n".join(f"  fiv kinds {one}: {known[one]}".rstrip(": ") for one in found)
         raise UsageError(f"there is no kind {name!r}; here it is\n{told}")
+    homes = dict.fromkeys(kind.name for kind in kinds if name in {key.name for key in kind.keys})
+    if name not in known and homes:
+        asking = ", ".join(f"fiv kinds {home}" for home in homes)
+        raise UsageError(f"there is no kind {name!r}; it is a setting: {asking}")
     pick(name, dict.fromkeys(known), "kind", ELSEWHERE)
 
 

@@ -112,5 +112,6 @@ def _table(
     reaching = {name: one for name, one in analyses.items() if "attractor" in one}
     if names == ["shares"] and len(reaching) == 1:
         (part,) = part_of_each(reaching, at).values()
-        return shares.as_csv(part), ""
+        told = shares.as_csv(part)
+        return told, shares.without_error(told)
     return as_csv(analyses, names, at), without_row(analyses, names, at)

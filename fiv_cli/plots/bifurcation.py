@@ -39,8 +39,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-UNMET = (
-    "stable cycles on another section, or that never meet it, are not drawn; one for all, such as "
+UNMET = {
+    "stable": "are not drawn",
+    "unstable": "are drawn by their extremes, which meet no line of the section's values",
+}
+HAVING = (
+    "{} cycles on another section, or that never meet it, {}; one for all, such as "
     'section = {{ zero = "{}_dot" }} in the cases of cycles and diagram, has them'
 )
 UNJUDGED = (
@@ -101,7 +105,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     is_unjudged |= any(is_critical_along(one, axis) for one in others) and not any(
         bool(lines.every.notnull().any()) for lines in equilibria
     )
-    style.add_notes(figure, [*notes, *[UNMET.format(observed)] * unmet, *[UNJUDGED] * is_unjudged])
+    notes += [HAVING.format(word, UNMET[word], observed) for word in sorted(unmet & {*UNMET})]
+    style.add_notes(figure, [*notes, *[UNJUDGED] * is_unjudged])
     if not clouds[0].label:
         _name_marks(ax, marks, first)
     points.dress([ax], shown, [framed])
@@ -136,12 +141,12 @@ def _draw_all_cycles(
     others: Sequence[xr.Dataset],
     axis: xr.DataArray,
     name: str,
-) -> bool:
-    """Draw the cycles of every diagram; whether some stable one is not drawn, for its section.
+) -> set[str]:
+    """Draw the cycles of every diagram; which sorts are not drawn as on the section.
 
     A dataset that belongs to several diagrams is drawn with the first of them.
     """
-    unmet = False
+    unmet = set[str]()
     for layer in shown:
         parts = [of_the_same(one, layer.dataset) for one in others]
         own = [part for part in parts if part is not None]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -15,27 +16,40 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+OF_TABLE = re.compile(r"[- ]\d{3,}$")  # the number of a start of a table in its label
+MOST_STARTS = 5  # of a table that a caption has room for
+
+
 def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
-    """What would stand below the title, what the cases give all datasets alike, random starts."""
+    """What would stand below the title, what a case gives and all datasets have alike, starts."""
     if style.has_titles():
         return []
     below = str(drawn.get_label()).removeprefix(title_of(datasets[0].attrs)).splitlines()
     said = {word for line in below for word in line.split(", ")}
-    every = [[*_given(dataset)] for dataset in datasets]
-    given = [word for word in every[0] if all(word in own for own in every) and word not in said]
-    told = [*filter(None, below), ", ".join(given), *_random_starts(datasets[0])]
+    names = dict.fromkeys(name for dataset in datasets for name in _given(dataset))
+    every = [[_held(dataset, name) for dataset in datasets] for name in names]
+    given = [own[0] for own in every if own[0] not in said | {""} and len({*own}) == 1]
+    starts = [*_random_starts(datasets[0]), *_starts_of_a_table(datasets[0])]
+    told = [*filter(None, below), ", ".join(given), *starts, *style.caption_of(drawn)]
     words = in_one_line("; ".join(filter(None, told)))
     return [f"for the caption: {words}"] * bool(words)
 
 
 def _given(dataset: xr.Dataset) -> Iterator[str]:
-    """The parameters of which the case gives one number, as the dataset has them."""
+    """The names of the parameters and of the law that the case of a dataset gives."""
     case = case_of(dataset.attrs)
-    tables = (_table(_table(case, "model"), "parameters"), _table(case, "friction"))
-    for name in (name for table in tables for name in table):
-        held = dataset.coords.get(name)
-        if held is not None and not held.ndim and held.dtype.kind in "fi":
-            yield value_label(held, held.item())
+    yield from _table(_table(case, "model"), "parameters")
+    yield from _table(case, "friction")
+
+
+def _held(dataset: xr.Dataset, name: str) -> str:
+    """The one number that a dataset has of a parameter, or its law; "" if there is none."""
+    if name == "law":
+        return f"law: {dataset.attrs['law']}" if "law" in dataset.attrs else ""
+    held = dataset.coords.get(name)
+    if held is None or held.ndim or held.dtype.kind not in "fi":
+        return ""
+    return value_label(held, held.item())
 
 
 def _random_starts(dataset: xr.Dataset) -> Iterator[str]:
@@ -52,6 +66,23 @@ def _random_starts(dataset: xr.Dataset) -> Iterator[str]:
         if start.get("kind") == "random" and is_shown:
             ends = (f"{n} from {a} to {b}" for n, (a, b) in _table(start, "box").items())
             yield f"{label}: {start.get('count', 1)} random starts, {', '.join(ends)}"
+
+
+def _starts_of_a_table(dataset: xr.Dataset) -> Iterator[str]:
+    """Where each of a few starts of a table lies: their labels are but numbers."""
+    starts = case_of(dataset.attrs).get("initial", [])
+    tables = {str(start.get("label")) for start in starts if start.get("kind") == "table"}
+    labels = [str(one) for one in dataset["initial"].values.ravel()] if "initial" in dataset else []
+    members = [one for one in labels if OF_TABLE.sub("", one) in tables]
+    states = dataset.get("initial_state")
+    if states is None or "initial" not in states.dims or len(members) > MOST_STARTS:
+        return
+    for label in members:
+        own = states.sel(initial=label).transpose("state", ...)
+        rows = own.values.reshape(own.sizes["state"], -1)
+        if (rows == rows[:, :1]).all():
+            pairs = zip(own["state"].values, rows[:, 0], own["state_units"].values, strict=True)
+            yield f"{label}: {', '.join(f'{n} = {x:.6g} {unit}' for n, x, unit in pairs)}"
 
 
 def _table(of: Mapping[str, Any], key: str) -> Mapping[str, Any]:

@@ -119,7 +119,9 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             mark_critical(ax, other, datasets, shown.axis, of_largest=GROWTH in own)
     gaps = ("undecided", *points.ENDED) if [*shown.parts] == ["attractor"] else ()
     points.dress(axes, _with_gaps(shown.along), shown.of_panels, gaps)
-    style.add_notes(figure, [*_told(shown, [curve for _, curve in drawn], dashed)])
+    if any(curve.leaves_class for _, curve in drawn):
+        style.add_to_caption(figure, "lines break where the class of motion changes")
+    style.add_notes(figure, [*dict.fromkeys(_told(shown, [curve for _, curve in drawn], dashed))])
     return figure
 
 

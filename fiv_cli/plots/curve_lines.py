@@ -192,6 +192,15 @@ class Curve:
         return np.insert(self.way if self.way.size else sure, self.jumps, np.nan)
 
     @property
+    def leaves_class(self) -> bool:
+        """Whether it has a break between two of its points that is not told to be `apart`."""
+        at = np.array(self.jumps, int)
+        known = np.isfinite(np.where(self.open, np.nan, self.y))
+        steps = at[known[at] & known[at - 1]]
+        pairs = {(self.x[one - 1], self.x[one]) for one in steps}
+        return not self.of_crossings and bool(pairs - {*self.apart})
+
+    @property
     def is_known(self) -> bool:
         """Whether it has any value."""
         return bool(self.known.any())
@@ -298,9 +307,10 @@ def _leaves(
     if name == "share":  # which may step as it likes
         return left
     marks = [one.isel(index, missing_dims="ignore") for one in leaps.marks_of_motions(dataset)]
-    kinds = leaps.told_apart(leaps.kinds(dataset).broadcast_like(array).isel(index).values, marks)
-    logarithmic = points.is_logarithmic(settings, "y")
-    return left | leaps.leaps(y, kinds, points.shown_of(settings, y), logarithmic)
+    plain = leaps.kinds(dataset).broadcast_like(array).isel(index).values
+    kinds, surely = leaps.told_apart(plain, marks)
+    shown, logarithmic = points.shown_of(settings, y), points.is_logarithmic(settings, "y")
+    return left | leaps.leaps(y, kinds, shown, logarithmic, surely)
 
 
 def _narrowed(

@@ -90,7 +90,8 @@ def mark_critical(
             "parameters, finds it; or draw each file by itself"
         )
     words = f"critical value of {labels.quantity(axis, str(axis.name))}"
-    colours = points.colours([ax]) if colours_tell and len(found) > 1 else {}
+    drawn = style.own_axes(ax.figure.figure)  # the legend is that of all
+    colours = points.colours(drawn) if colours_tell and len(found) > 1 else {}
     apart = not colours_tell and 1 < len(found) <= len(FILLS)
     fills = FILLS[: len(found)] if apart else ()
     for (label, every, is_largest), fill in zip_longest(found, fills):
@@ -155,21 +156,21 @@ def draw_cycles(
     axis: xr.DataArray,
     layer: points.Layer,
     name: str,
-) -> bool:
+) -> set[str]:
     """Every cycle along `axis`, in the colour of its diagram: what it passes at the section.
 
     Of a cycle that is not known there the least and the greatest, and only if it is not stable: the
-    marks of a stable one lie elsewhere. Tells whether one that is stable is not drawn so.
+    marks of a stable one lie elsewhere. Tells which of both sorts are not drawn as on the section.
     """
-    unmet, drawn = False, dict[tuple[str, str], list[tuple[np.ndarray, np.ndarray]]]()
+    unmet, drawn = set[str](), dict[tuple[str, str], list[tuple[np.ndarray, np.ndarray]]]()
     observed = observed_state(layer.dataset[name])
     extremes = f" cycle: extremes of ${labels.symbol_of_name(observed)}$"
     colours = points.colours([ax])
     for dataset in datasets:
         at_section = name == DEFAULT and _of_one_section(dataset, layer.dataset)
         for own, (word, x, heights, passes) in _cycles(dataset, axis, observed, at_section):
+            unmet |= {word} & {*branch.DASHES} if name == DEFAULT and not passes else set()
             if word not in branch.DASHES or (word == "stable" and not passes):
-                unmet |= name == DEFAULT and word == "stable"
                 continue
             told = f"{word}{' cycle' if passes else extremes}"
             place, colour = _whose(layer, own, axis, colours)

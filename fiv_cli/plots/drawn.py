@@ -38,6 +38,7 @@ START = "start"
 """A column more, of figures whose points have names: those of starts."""
 _NAMES: WeakKeyDictionary[Artist, Sequence[str]] = WeakKeyDictionary()
 _LEFT_OUT: WeakKeyDictionary[Artist, set[tuple[float, float]]] = WeakKeyDictionary()
+_AXES: WeakKeyDictionary[Axes, tuple[str, str]] = WeakKeyDictionary()
 _WHOLE: WeakKeyDictionary[Artist, Sequence[np.ndarray]] = WeakKeyDictionary()
 UNNAMED = "_child"  # what matplotlib calls an artist without a label, and counts
 
@@ -45,6 +46,11 @@ UNNAMED = "_child"  # what matplotlib calls an artist without a label, and count
 def name_points(artist: Artist, names: Sequence[str]) -> None:
     """Give the points of an artist names, which stand beside them in the table."""
     _NAMES[artist] = names
+
+
+def name_axes(ax: Axes, *labels: str) -> None:
+    """Labels of x and y in units without the power of ten that the ticks may be in."""
+    _AXES[ax] = (labels[0], labels[1])
 
 
 def leave_out(artist: Artist, points: np.ndarray) -> None:
@@ -119,11 +125,10 @@ def _panel(ax: Axes) -> str:
 
 def _axis_labels(figure: Figure, ax: Axes) -> tuple[str, str]:
     """Labels of both axes; panels that share them have x below the last and y beside the first."""
-    until = figure.axes[: 1 + figure.axes.index(ax)]
-    return (
-        ax.get_xlabel() or _last(one.get_xlabel() for one in figure.axes),
-        _last(one.get_ylabel() for one in until),
-    )
+    words = [_AXES.get(one, (one.get_xlabel(), one.get_ylabel())) for one in figure.axes]
+    here = figure.axes.index(ax)
+    below, beside = [x for x, _ in words], [y for _, y in words[: 1 + here]]
+    return below[here] or _last(below), _last(beside)
 
 
 def _last(words: Iterable[str]) -> str:

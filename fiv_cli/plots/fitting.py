@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import warnings
 from collections.abc import Sequence
 from functools import cache
@@ -17,10 +18,10 @@ from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 from matplotlib.textpath import TextPath
-from matplotlib.ticker import AutoLocator
+from matplotlib.ticker import AutoLocator, ScalarFormatter
 
 from fiv_cli.errors import CrampedFigureError
-from fiv_cli.plots import legends, style
+from fiv_cli.plots import drawn, legends, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -106,8 +107,10 @@ def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
             if axis is ax.xaxis:
                 _fit_ticks(axis, locator, beside)
     above = "\n".join(style.folded(one, beside) for one in title.splitlines())
-    below = style.folded(xlabel, beside)
-    ax.set(title=above, xlabel=below, ylabel=style.folded(ylabel, upright))
+    below = style.folded(_with_power(ax.xaxis, xlabel), beside)
+    left = style.folded(_with_power(ax.yaxis, ylabel), upright)
+    ax.set(title=above, xlabel=below, ylabel=left)
+    drawn.name_axes(ax, xlabel, ylabel)
     for label in (ax.xaxis.label, ax.yaxis.label):
         label.set_linespacing(1.1)
     return (above.count("\n") - title.count("\n") + below.count("\n")) * _rows(ax)
@@ -117,9 +120,30 @@ def _fit_ticks(axis: Axis, locator: AutoLocator, room: int) -> None:
     """As many ticks along x as there is room for: by how long they are, after a first guess."""
     letters = TICK_LETTERS
     for _ in range(2):
-        locator.set_params(nbins=max(FEWEST_TICKS, min(9, room // letters)))
+        most = max(2, min(9, room // letters))
+        locator.set_params(nbins=most, min_n_ticks=min(most, FEWEST_TICKS))
         texts = axis.get_major_formatter().format_ticks(list(axis.get_majorticklocs()))
         letters = max(TICK_LETTERS, style.longest(texts or [""]) + TICK_GAP)
+
+
+def _with_power(axis: Axis, label: str) -> str:
+    """A label with the power of ten that the numbers at the ticks are in, as ``(10^5 N/m)``.
+
+    Matplotlib's own place for it, at the end of the axis, is where long labels and headings are.
+    """
+    formatter = axis.get_major_formatter()
+    if not label or not isinstance(formatter, ScalarFormatter):
+        return label
+    formatter.format_ticks(list(axis.get_majorticklocs()))
+    found = re.search(r"10\^\{(\D?\d+)\}", formatter.get_offset())
+    if not found:
+        return label
+    power = int(found[1].replace("\N{MINUS SIGN}", "-"))
+    formatter.set_powerlimits((power, power))  # whatever becomes of its limits
+    axis.get_offset_text().set_visible(False)
+    unit = re.search(r" \(([^()=]*)\)$", label)
+    words, of = (label[: unit.start()], f" {unit[1]}") if unit else (label, "")
+    return f"{words} ($10^{{{power}}}${of})"
 
 
 def _rows(ax: Axes) -> int:

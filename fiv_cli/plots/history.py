@@ -50,7 +50,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     ]
     figure, axes = _draw_panels(dataset, motions, rows, names)
     every = [own for _, own in rows]
-    contact = motion.named_contact(dataset, *every)
+    of_each = all("contact" in dataset[name].dims for name in names)
+    contact = motion.named_contact(dataset, *every, of_each=of_each)
     numbers = motion.others_sticking(motions, *every)
     others = [Patch(label=motion.sticking(number), **OTHER_STICKS) for number in numbers]
     what = "range of samples" if all(map(_is_dense, motions)) else "samples"
@@ -87,8 +88,9 @@ def _draw_panels(
             ax.set_ylabel(motion.label_of(dataset[name], own))
         if row == len(rows) - 1:
             ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
-    for row in range(len(rows)):
-        _share_heights([ax for n, ax in enumerate(axes) if n // columns % len(rows) == row])
+    shown = [rows[n // columns % len(rows)][0] for n in range(len(axes))]
+    for name in names:  # of each of its contacts, too
+        _share_heights([ax for ax, own in zip(axes, shown, strict=True) if own == name])
     return figure, axes
 
 

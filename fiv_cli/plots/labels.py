@@ -40,10 +40,12 @@ def axis_label(variable: xr.DataArray, name: str = "") -> str:
     r"""What stands at an axis: ``disc speed $\Omega$ (rad/s)``, or ``$\varphi$ (rad)``.
 
     States where motions begin go by their symbols, since the meaning of one is short and of another
-    long: ``initial $x$ (m)``.
+    long: ``initial $x$ (m)``; so do parameters of one value, of which it is the meaning of one:
+    ``$V_1 = V_2$ (m/s)``.
     """
     name = name or str(variable.name)
-    meaning = str(variable.attrs.get("long_name", ""))
+    is_of_one = " = " not in str(variable.attrs.get("symbol", ""))
+    meaning = str(variable.attrs.get("long_name", "")) if is_of_one else ""
     meaning = "initial" if meaning.startswith(START) and has_symbol(variable, name) else meaning
     most = LONGEST_MEANING if has_symbol(variable, name) else LONGEST_WITHOUT_SYMBOL
     words = with_symbols(meaning) if 0 < len(meaning) <= most else ""

@@ -23,6 +23,9 @@ LEAP = 6.0  # ... or within a kind of cycle, where a square root begins steeply
 # Shares of its range by which a line leaps at least where it breaks; beside a kind of one
 # point, or at an end, where a step has none beside it: or a share of the lesser of both values.
 SEEN, SEEN_ALONE, GROWN = 0.02, 0.25, 0.5
+# ... or, on its both sides, the steps of a mark, and of its range: no root nor grazing does that
+CLEAR, GREAT = 12.0, 0.1
+SEEN_SURELY = 0.005  # share of its range, of what is drawn of motions that a mark tells apart so
 SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 
 
@@ -57,21 +60,37 @@ def marks_of_motions(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
         )
 
 
-def told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> np.ndarray:
-    """Numbers of kinds of cycles along a line, which change where any mark of motions leaps.
+def told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of kinds of cycles along a line, which change where any mark of motions leaps; and
+    between which neighbours a mark alone tells that they do.
 
     They are negative of what passes no section.
     """
-    changes = kinds[1:] != kinds[:-1]
+    changes, surely = kinds[1:] != kinds[:-1], np.zeros(kinds.size - 1, bool)
     for one in marks:
         if one.shape == kinds.shape and one.notnull().any():
             ends = float(one.min()), float(one.max())
             changes = changes | leaps(one.values, kinds, ends, logarithmic=False)
-    return np.where(kinds > 0.0, 1, -1) * (1 + np.cumsum(np.append(False, changes)))
+            surely = surely | _clearly(one.values, kinds, ends)
+    numbered = 1 + np.cumsum(np.append(False, changes | surely))
+    return np.where(kinds > 0.0, 1, -1) * numbered, surely
+
+
+def _clearly(mark: np.ndarray, kinds: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
+    """Between which neighbours a mark of cycles of one kind steps far more than on both sides."""
+    is_cycle = np.where(kinds % MANY > 0.0, kinds, np.nan)
+    steps = np.where(is_cycle[1:] == is_cycle[:-1], np.abs(np.diff(mark)), np.nan)
+    beside = np.pad(steps, 1, constant_values=np.nan)
+    least = np.maximum(CLEAR * np.maximum(beside[:-2], beside[2:]), GREAT * np.ptp(ends))
+    return np.asarray(steps > least)
 
 
 def leaps(
-    y: np.ndarray, kinds: np.ndarray, shown: tuple[float, float], logarithmic: bool
+    y: np.ndarray,
+    kinds: np.ndarray,
+    shown: tuple[float, float],
+    logarithmic: bool,
+    surely: np.ndarray | bool = False,
 ) -> np.ndarray:
     """Between which neighbours a line steps by more than beside it, to a cycle of another kind.
 
@@ -79,7 +98,7 @@ def leaps(
     kind: beside them, else the median of all. No value elsewhere decides on a step that is seen,
     where `shown` are the least and the greatest that are. To a cycle of the same kind it is one
     that leaps by more than the steps on both sides of it, whatever they do: where both lead to
-    other kinds, than these.
+    other kinds, than these. Where motions `surely` differ a step need but be seen.
     """
     height = np.log10(np.where(y > 0.0, y, np.nan)) if logarithmic else y
     steps, differ = np.abs(np.diff(height)), kinds[1:] != kinds[:-1]
@@ -98,4 +117,5 @@ def leaps(
     extent = float(np.ptp(np.log10(shown) if logarithmic else shown))
     least = np.where(is_alone & ~(grown & differ), SEEN_ALONE, SEEN) * extent
     least = np.maximum(np.where(differ, STEP, LEAP) * beside, least)
-    return np.asarray((differ | grown) & (steps > least))
+    is_seen = steps > np.maximum(beside, SEEN_SURELY * extent)
+    return np.asarray((differ | grown) & (steps > least) | (surely & is_seen))

@@ -41,7 +41,18 @@ def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]
     for number, level in enumerate(levels):
         sides = {beside(plane, level) for panel in panels for plane in panel[number]}
         if "" not in sides:
-            yield f"no line {words(array, level, levels)}: {' or '.join(sorted(sides))}"
+            told = f"{' or '.join(sorted(sides))}{_reached(panels, number, sides)}"
+            yield f"no line {words(array, level, levels)}: {told}"
+
+
+def _reached(panels: Sequence[Panel], number: int, sides: Collection[str]) -> str:
+    """What all planes reach that lie on one side of a level."""
+    extremes = {"below everywhere": (np.nanmax, "most"), "above everywhere": (np.nanmin, "least")}
+    if len(sides) != 1 or not {*sides} <= {*extremes}:
+        return ""
+    of, which = extremes[next(iter(sides))]
+    reached = of([of(part) for panel in panels for plane in panel[number] for part in plane])
+    return f" (at {which} {reached:.3g})"
 
 
 def unwritten(
@@ -340,9 +351,9 @@ def side(part: np.ndarray, level: float) -> str:
     if known.size == 0:
         return NOT_KNOWN
     if known.max() <= level:
-        return "below everywhere" if known.max() < level else "nowhere above"
+        return "below everywhere" if known.max() < level else "at most so much everywhere"
     if known.min() >= level:
-        return "above everywhere" if known.min() > level else "nowhere below"
+        return "above everywhere" if known.min() > level else "at least so much everywhere"
     return "" if _is_passed(part, level) else ALONE
 
 

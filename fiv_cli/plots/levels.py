@@ -46,6 +46,8 @@ ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 CLEAR, ALIKE = (2.0, 1.4, 1.0), (0.4,)
 DOWNWARD = -60.0  # degrees: what would be written more steeply down is written up, as most is
 MOST_WRITTEN = 4  # times each of several levels: on its longest lines, not on each island
+# Of the diagonal of a panel, how far two levels on one line lie apart; of that, along the line.
+AGAIN, LONG = 0.25, 2.0
 # Of a panel's width and height: levels that take more hide what they name; the legend tells them.
 LARGEST = np.array([0.16, 0.3])
 TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
@@ -373,14 +375,21 @@ def _begin_beside(ax: Axes, lines: QuadContourSet, text: Text) -> None:
     own = [[pixels.transform(piece) for piece in of if len(piece)] for of in lines.allsegs]
     step = STEP * _height(ax)
     written = min(chain(*own), key=lambda one: _distances(_dense(one, step), [place]).min())
-    cut = ([_beside_gap(one, place, half) if one is written else [one] for one in of] for of in own)
+    others = [pixels.transform(one.get_position()) for one in ax.texts if one is not text]
+    cut = (
+        [_beside_gap(one, place, half, others) if one is written else [one] for one in of]
+        for of in own
+    )
     back = pixels.inverted().transform
     lines.set_paths([Path.make_compound_path(*map(Path, map(back, chain(*of)))) for of in cut])
     _dash_short_pieces(ax, lines)
 
 
-def _beside_gap(line: np.ndarray, place: np.ndarray, half: float) -> list[np.ndarray]:
-    """The parts of a line on both sides of a place, each from so far beside it onward."""
+def _beside_gap(
+    line: np.ndarray, place: np.ndarray, half: float, others: Sequence[np.ndarray]
+) -> list[np.ndarray]:
+    """The parts of a line on both sides of a place, each from so far beside it onward; of one that
+    leads to another of such places each half from its own."""
     if len(line) > 2 and (line[0] == line[-1]).all():  # a ring: both lead to its far side
         nearest = _distances(line[:-1], [place]).argmin()
         line = np.roll(line[:-1], len(line) // 2 - nearest, axis=0)
@@ -391,7 +400,16 @@ def _beside_gap(line: np.ndarray, place: np.ndarray, half: float) -> list[np.nda
     ends = [[np.interp(at + to, way, one) for one in line.T] for to in (-half, half)]
     before, after = line[way < at - half], line[way > at + half]
     parts = [(ends[0], before[::-1]), (ends[1], after)]
-    return [np.concatenate([[end], part]) for end, part in parts if len(part)]
+    whole = [np.concatenate([[end], part]) for end, part in parts if len(part)]
+    return [half_ for one in whole for half_ in _from_both(one, half, others)]
+
+
+def _from_both(line: np.ndarray, half: float, others: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """A line, or both its halves from its ends on, if it leads to one of these places."""
+    if len(line) < 3 or _distances(line[-1:], others)[0] > (1.0 + CLOSE) * half:
+        return [line]
+    middle = len(line) // 2
+    return [line[: middle + 1], line[middle:][::-1]]
 
 
 def _write_beside(
@@ -489,12 +507,25 @@ def _rooms(
             free = np.where(hides | _bends(along, around[0], box[1]), 0.0, apart)
             best = np.where(off > ROOM * length, free, 0.0)
             if best.max() > ROOM * length:
-                chosen.append(piece[best.argmax()])
-                taken.append(along[best.argmax()])
+                own = _spread(along, best, AGAIN * float(np.linalg.norm(ax.bbox.size)))
+                chosen.extend(piece[own])
+                taken.extend(along[own])
                 break
         least = np.where(off > BESIDE * length, free, 0.0)
         roomiest = max(roomiest, (least.max(), [piece[least.argmax()]]), key=itemgetter(0))
     return chosen or roomiest[1]
+
+
+def _spread(along: np.ndarray, room: np.ndarray, apart: float) -> list[int]:
+    """Which points of a line have the most room and, of a long one, lie so far from the first and
+    from each other, along it and across the panel."""
+    way, found = _way(along), list[int]()
+    while room.max() > 0.0 and len(found) < MOST_WRITTEN:
+        at = int(room.argmax())
+        found.append(at)
+        near = _distances(along, [along[at]]) < apart
+        room = np.where(near | (np.abs(way - way[at]) < LONG * apart), 0.0, room)
+    return found
 
 
 def _extent(line: np.ndarray) -> float:

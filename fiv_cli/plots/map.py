@@ -94,6 +94,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for ax in axes[: len(planes.panels)]:
         points.scale(ax, settings)
     inexact = [word for one in lines for word in one.inexact]
+    if not flag_names(planes.array.attrs):
+        inexact += _of_filled(planes, "no value")
     otherwise = *_held_otherwise(layers[0], planes, settings), *_told_twice(planes, settings)
     told = *missed, *otherwise, *unwritten, *inexact
     style.add_notes(figure, told)
@@ -299,11 +301,7 @@ class _Lines:
         unsure = points.gaps(self.planes.dataset).get(UNDECIDED, array.isnull() & False)
         undecided = [self.planes.of(unsure, panel) for panel in self.planes.panels]
         yield from level_notes.broken(array, ends, self.levels, undecided)
-        if filled := _filled_without(self.planes):
-            yield (
-                f"{array.name}: lines end at the {filled} points that were filled in, of which the "
-                "class alone is known; fiv check of the case says how to run all"
-            )
+        yield from _of_filled(self.planes, "lines end")
 
     def keys(self, colour: ColorType) -> list[Line2D]:
         """Entries of a legend."""
@@ -482,10 +480,18 @@ def _overlaid(
 
 def _filled_without(planes: _Planes) -> int:
     """How many points that were filled in have no number."""
-    if "computed" not in planes.dataset:
-        return 0
-    filled = is_class(planes.dataset["computed"], ("filled_in",))
+    told = planes.dataset.get("computed", planes.dataset["status"])  # as taken of several
+    filled = is_class(told, ("filled_in",))
     return int((filled & _with_rests(planes, numbers(planes.array)).isnull()).sum())
+
+
+def _of_filled(planes: _Planes, what: str) -> Iterator[str]:
+    """What there is not at points that were filled in."""
+    if filled := _filled_without(planes):
+        yield (
+            f"{planes.array.name}: {what} at the {filled} points that were filled in, of which the "
+            "class alone is known; fiv check of the case says how to run all"
+        )
 
 
 def how_run(dataset: xr.Dataset) -> str:

@@ -426,10 +426,13 @@ def of_joint_stick(every: Sequence[Motion], names: Sequence[str]) -> Iterator[st
             return
 
 
-def named_contact(dataset: xr.Dataset, *settings: points.Settings) -> str:
-    """Which contact the colours of panels are about, where there are several."""
+def named_contact(dataset: xr.Dataset, *settings: points.Settings, of_each: bool = False) -> str:
+    """Which contact the colours of panels are about, where there are several; each may have its
+    own."""
     states = dataset["contact_state"]
     if "contact" not in states.dims:
         return ""
     first, *others = dict.fromkeys(_contact(states, own) for own in settings)
+    if of_each and others:
+        return "colours: the contact of each panel"
     return f"colours: contact {first}" + ", or that of the panel" * bool(others)

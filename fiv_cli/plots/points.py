@@ -151,7 +151,8 @@ def known_variable(dataset: xr.Dataset, name: str) -> str:
     """`name`, when the dataset has such a variable; UsageError otherwise."""
     known = [str(variable) for variable in dataset.data_vars]
     if name not in known:
-        hint = suggest(name, known) or f"it has: {', '.join(known)}"
+        hint = suggest(name, known) or select.computing(name)
+        hint = hint or f"it has: {', '.join(known)}"
         raise UsageError(f"{name}: not in this dataset\n{hint}")
     return name
 
@@ -366,7 +367,8 @@ def title(dataset: xr.Dataset, *others: xr.Dataset) -> str:
     a dataset differs in from those drawn beside it. What another of these has another value of is
     no value of the figure.
     """
-    alone = [_first_axis(dataset, d) for d in grid_dims(dataset) if dataset.sizes[d] == 1]
+    single = [dim for dim in grid_dims(dataset) if dataset.sizes[dim] == 1]
+    alone = [axis for dim in single for axis in _axes_along(dataset, dim)]
     alone = [axis for axis in alone if all(_has_no_other(one, axis) for one in others)]
     changed = [labels.value_label(one, one.item()) for one in _set_by_hand(dataset)]
     words = [*(_alone(axis) for axis in alone), str(dataset.attrs.get("of_several", "")), *changed]

@@ -40,6 +40,7 @@ FEWEST_SAMPLES = 16
 CLOSED = 1e-6  # share of its extent within which a motion that ends where it began has closed
 MARGIN = 1.05  # of the highest frequency that is shown
 LOG_DECADES, LINEAR_DECADES = 6.0, 1.7  # of amplitude on an axis of them, and on a plain one
+WORTH_DECADES = 3.0  # of amplitude beyond which nothing is told to be left out
 NO_JUMPS = np.zeros(0), np.zeros(0)
 UPRIGHT = 0.8  # pt
 ASIDE, MOST_ASIDE = 1.5, 8.0  # widths from one line of a frequency to the next, and of all
@@ -297,9 +298,21 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         _draw_spectra(ax, dataset, pairs, own, names, settings)
     axes[-1].set_xlabel(frequency_label(settings))
     points.legend(axes)
-    style.add_notes(figure, [note for ax, own in zip(axes, spectra, strict=True)
-                             for note in _moved(ax, own)])  # fmt: skip
+    moved = [note for ax, own in zip(axes, spectra, strict=True) for note in _moved(ax, own)]
+    cut = _cut(highest, max(_highest(own, WORTH_DECADES) for own in spectra), decades, settings)
+    style.add_notes(figure, [*moved, *cut])
     return figure
+
+
+def _cut(highest: float, last: float, decades: float, settings: points.Settings) -> Iterator[str]:
+    """That a spectrum goes on beyond the frequency to which it is shown."""
+    if "xlim" not in settings and 0.0 < MARGIN * highest < last:
+        unit = FREQUENCIES[settings.get("unit") or "Hz"][1]
+        yield (
+            f"beyond {highest:.3g} {unit} no amplitude is over {10.0**-decades:.1g} of the "
+            "greatest; "
+            'xlim, or log = "y", in a [[figure]] shows them'
+        )
 
 
 def _draw_spectra(

@@ -217,6 +217,7 @@ _BEFORE: ContextVar[dict[str, str] | None] = ContextVar("_BEFORE", default=None)
 
 _UNSAID: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
 _OWN_WORDS: WeakKeyDictionary[Figure, dict[str, str]] = WeakKeyDictionary()
+_CAPTIONS: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
 _NOTES: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
 
 
@@ -310,6 +311,16 @@ def add_notes(figure: Figure, notes: Sequence[str]) -> None:
 def notes_on(figure: Figure) -> list[str]:
     """All that was added of a figure."""
     return _NOTES.get(figure, [])
+
+
+def add_to_caption(figure: Figure, words: str) -> None:
+    """What readers of a figure should know, and see nowhere in it."""
+    _CAPTIONS.setdefault(figure, []).append(words)
+
+
+def caption_of(figure: Figure) -> list[str]:
+    """All that was added to the caption of a figure."""
+    return _CAPTIONS.get(figure, [])
 
 
 def look() -> Look:

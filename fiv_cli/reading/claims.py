@@ -68,6 +68,7 @@ LOOKED_AT = 8  # datasets, the newest, for one of another name
 UNDECIDED = "runs beside it are undecided"
 BY_EIGENVALUES = "where an equilibrium loses its stability, an analysis `critical` finds it"
 
+ACROSS = 2.0  # standard errors beside a share, which may be that of all starts
 # Share of the points that may be open without leaving a claim undetermined that the rest decides.
 HANDFUL = 0.005
 
@@ -338,6 +339,9 @@ def evaluate(
     if margin > 0.0:  # the share of a sample, and of one that is not all alike
         most = "at most " * (part[ERROR].size > 1)
         trial = replace(trial, found=f"{trial.found}, standard error {most}{margin:.2g}")
+        if _is_near(claim, part, variable, stored, trial):
+            near = "two of which reach across what is expected: more starts tell"
+            trial = replace(trial, found=f"{trial.found}, {near}")
     compared = isinstance(claim.expect, Bounds) and bool(claim.expect.references)
     told = _why_empty(trial, part), _why_open(trial, part, compared and not claim.take)
     verdict = _judge(trial, claim.holds, ", ".join(filter(None, told)))
@@ -368,6 +372,19 @@ def _try(claim: ClaimSpec, part: xr.Dataset, variable: str, stored: Stored) -> _
             trial = _try_bounds(claim.expect, part, variable, claim.at, stored)
     at_end = END in part.attrs and bool((part[variable] == part.attrs[END]).any())
     return replace(trial, found=f"{trial.found} (an end of the axis)") if at_end else trial
+
+
+def _is_near(
+    claim: ClaimSpec, part: xr.Dataset, variable: str, stored: Stored, found: _Trial
+) -> bool:
+    """Whether shares that two of their standard errors lie beside would be told otherwise."""
+    names = [f"{variable}{end}" for end in ("", "_low", "_high") if f"{variable}{end}" in part]
+    shifted = (
+        part.assign({name: part[name] + off * part[ERROR].fillna(0.0) for name in names})
+        for off in (-ACROSS, ACROSS)
+    )
+    trials = (_try(claim, one, variable, stored) for one in shifted)
+    return any(bool((one.hit != found.hit).any()) for one in trials)
 
 
 def _of_filled(part: xr.Dataset, variable: str) -> str:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from fiv_cli.analyses.catalogue import computed_by
 from fiv_cli.case.grammar import SAME, parse_condition
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
@@ -38,6 +39,12 @@ MOST_NAMED = 12  # labels of an axis that a message names
 
 class SelectionError(UsageError):
     """What is selected does not exist in the dataset."""
+
+
+def computing(name: str) -> str:
+    """What computes a variable that a dataset does not have; "" where nothing does."""
+    told = computed_by(name)
+    return f"{told}; of one point `fiv history` does" if '"history"' in told else told
 
 
 def condition(text: str) -> Callable[[np.ndarray], np.ndarray] | None:

@@ -232,10 +232,9 @@ def _stored_elsewhere(journal: Journal) -> str:
             continue
         done, _ = _loaded(Journal(other, plan)).progress()
         if done > enough:
-            using = f"the same command with -o {other.with_suffix('.nc')} uses them"
-            return (
-                f"{counted(done)} of it lie in {other}; {using} (and makes that dataset this one)"
-            )
+            into = f"-o {other.with_suffix('.nc')} (in Python: output)"
+            using = f"the same run with {into} uses them, and makes that dataset this one"
+            return f"{counted(done)} of it lie in {other}; {using}"
     return ""
 
 
