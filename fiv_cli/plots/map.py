@@ -460,7 +460,8 @@ def _overlaid(
     if len(own) < len(lines):
         raise UsageError(
             "overlay shows the lines of the variable that is mapped, alone\n"
-            "next: level = NUMBER, or leave overlay out"
+            "next: level = NUMBER, or leave overlay out; --figure curve of the file of critical "
+            "values or borders shows all of them in one panel"
         )
     figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
     if not own:
