@@ -195,7 +195,9 @@ def _check_levels(
         report.add(at, message, f"{MOST_LINES} levels, or a figure for each few")
     if figure.settings.get("overlay") and {*of} - {*_mapped(figure, held, mapped)}:
         message = "overlay shows the lines of the variable that is mapped, alone"
-        report.add((*at[:-1], "overlay"), message, "level = NUMBER, or leave overlay out")
+        allowed = "level = NUMBER, or leave overlay out"
+        hint = 'a figure of kind "curve" in the case of the others has all of these in one panel'
+        report.add((*at[:-1], "overlay"), message, allowed, hint)
     known = _known(case, held, None, with_motions=False)
     taken = figure.settings.get("take", {}).get("what")
     axes = {"crossing"} if any(isinstance(own, str) for own in of.values()) else set()
