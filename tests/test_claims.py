@@ -507,6 +507,9 @@ def test_a_share_of_random_starts_has_a_standard_error(labels, error):
     assert verdict.standard_error == error
     assert ("standard error 0.25" in verdict.found) == (error is not None)
     assert ("more starts tell" in verdict.found) == (error is not None)
+    some = replace(said, expect=claim("attractor", {"greater_than": 0.0}, take=take).expect)
+    one = data.response([*classes[:1], *["equilibrium"] * 3], np.zeros(4), data.axes(initial=named))
+    assert "more starts tell" not in evaluate(some, {"": one}, lambda _: None, {"many"}).found
     sure = replace(said, expect=claim("attractor", {"less_than": 1.5}, take=take).expect)
     assert "more starts tell" not in evaluate(sure, {"": dataset}, lambda _: None, {"many"}).found
 

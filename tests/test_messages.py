@@ -285,6 +285,13 @@ def test_a_misspelt_figure_or_law_to_draw(capsys: pytest.CaptureFixture[str]) ->
     assert "did you mean 'stribeck'" in capsys.readouterr().err
 
 
+def test_an_option_of_another_command_is_named_with_what_it_takes(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(["new", "belt-1dof", "--law", "stribeck"]) == 2
+    assert capsys.readouterr().err.endswith("next: fiv models --law LAW\n")
+
+
 def test_an_option_given_again_though_one_counts(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["new", "belt-1dof", "--analysis", "history", "--analysis", "cycle"]) == 0
     said = capsys.readouterr()

@@ -382,8 +382,8 @@ def test_shares_of_a_table_of_many_starts_are_counted():
     rows = list(csv.DictReader(io.StringIO(table)))
     ends = [int(row["starts"]) for row in rows if float(row["share"]) in (0.0, 1.0)]
     told = f"within {shares.most_missed(min(ends)):.2g} at 95%" if ends else ""
-    assert shares.without_error(table).endswith(told)
-    assert bool(shares.without_error(table)) == bool(ends)
+    assert shares.without_error(found).endswith(told)
+    assert bool(shares.without_error(found)) == bool(ends)
     (own,) = [row for row in rows if row["class"] == "periodic" and float(row["Omega"]) == 1.0]
     assert float(own["share"]) == share and own["standard_error"] == ""
     title = draw(found, figure("basin")).axes[0].get_title()

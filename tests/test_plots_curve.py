@@ -306,6 +306,17 @@ def test_critical_values_lie_where_amplitudes_begin():
         draw([("a", found), ("b", critical)], wanted)
 
 
+def test_a_break_that_is_none_of_classes_is_not_told_to_be():
+    """As where a speed changes its sign."""
+    at = np.linspace(-1.0, 1.0, 10)
+    found = data.response(
+        np.full((10, 1), "periodic", object), np.ones((10, 1)), data.axes(Omega=at, initial=["a"])
+    )
+    found["Omega"].attrs["role"] = "speed"
+    told = style.notes_on(draw(found, figure("curve", variable="L_s"), look=look_of("paper")))
+    assert not any("class of motion" in one for one in told)
+
+
 def test_that_undecided_values_of_two_variables_look_alike_is_told():
     dataset = with_x_rms("m2")
     dataset["L_s"] = dataset["L_s"].assign_attrs(units="m2")

@@ -7,6 +7,7 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 import synthetic_datasets as data
+import xarray as xr
 from plotted import figure
 
 from fiv_cli.errors import StorageError, UsageError
@@ -41,8 +42,8 @@ def test_a_caption_has_the_law_and_the_few_starts_of_a_table_and_all_that_advanc
     found.attrs["starts_json"] = json.dumps({"mine": "table"})
     (note,) = style.notes_on(draw(found, figure("curve"), look=look_of("paper")))
     assert note == (
-        "for the caption: law: stribeck; mine 000: phi = 0.5 rad, phi_dot = 2 rad s-1; "
-        "mine 001: phi = 0.25 rad, phi_dot = 0 rad s-1; "
+        "for the caption: law: stribeck; mine 000: phi = 0.5 rad, phi_dot = 2 rad/s; "
+        "mine 001: phi = 0.25 rad, phi_dot = 0 rad/s; "
         "lines break where the class of motion changes"
     )
     together = data.bifurcation().isel(initial=[0]).rename(initial="pair")
@@ -74,6 +75,38 @@ def test_ticks_are_in_the_power_of_ten_that_the_label_has_beside_the_unit(tmp_pa
     rows = [*csv.DictReader((tmp_path / "a.csv").read_text().splitlines())]
     assert {row["x_axis"] for row in rows} == {"disc speed Omega (N/m)"}
     assert max(float(row["x"]) for row in rows) == found["Omega"].values.max()
+
+
+def test_a_power_of_ten_that_not_all_panels_beside_a_label_have_stays_at_each():
+    """The label of the first would have read the others wrong; and what is no unit is none."""
+    found = data.history(labels=("a", "b"))
+    found["phi"] = found["phi"] * xr.DataArray([1e-4, 1.0], dims="initial")
+    first, second = draw(found, figure("history", variable="phi")).axes
+    assert first.get_ylabel() == r"$\varphi$ (rad)" and second.get_ylabel() == ""
+    assert first.yaxis.get_offset_text().get_visible()
+    small = data.history(labels=("a", "b"))
+    small["phi"] = 1e-4 * small["phi"]
+    alike = draw(small, figure("history", variable="phi"))
+    assert alike.axes[0].get_ylabel().endswith("$ rad)")
+    assert not any(ax.yaxis.get_offset_text().get_visible() for ax in alike.axes)
+    curve = data.bifurcation().isel(initial=[0])
+    for asked, told in (("load (normal)", "load (normal) ($10^{-4}$)"), ("a $", "a $"),
+                        ("rate (1/s)", "rate ($10^{-4}$ 1/s)")):  # fmt: skip
+        drawn = draw(curve, figure("curve", variable="L_s", ylabel=asked))
+        assert drawn.axes[0].get_ylabel() == told
+
+
+@pytest.mark.parametrize("height", [60.0, 68.5, 77.0])
+def test_a_label_is_whole_though_ticks_and_panels_could_change_in_turns(height):
+    """One more tick of longer numbers made its panel lower, and so went away, again and again."""
+    found = data.response(
+        np.full((13, 1), "periodic", object), np.linspace(0.0, 0.0169, 13)[:, None],
+        data.axes(Omega=np.linspace(0.2, 1.4, 13), initial=["a"]),
+    )  # fmt: skip
+    paper = look_of("paper", height=height)
+    drawn = draw(found, figure("curve", variable="L_s"), look=paper)
+    drawn.draw_without_rendering()
+    assert drawn.axes[0].yaxis.label.get_window_extent().x0 >= 0.0
 
 
 def test_a_figure_does_not_depend_on_the_users_configuration(tmp_path):

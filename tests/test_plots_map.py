@@ -24,7 +24,7 @@ from fiv_cli import api
 from fiv_cli.case.case import FigureSpec
 from fiv_cli.cli.main import run as fiv
 from fiv_cli.cli.plot import command as plot_command
-from fiv_cli.errors import UsageError
+from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.plots import draw, legends, levels, look_of, points, save, style
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.critical_lines import _is_inside
@@ -539,6 +539,15 @@ def test_of_a_refined_map_rests_that_were_filled_in_are_0_where_all_that_ran_are
         assert len(notes) == unknown
 
 
+def test_levels_that_none_reaches_are_told_together_and_alone_make_no_figure():
+    dataset = data.stability_map(initial=("reached",))
+    asked = figure("map", variable="L_s", level=[1.0, 2.0])
+    (note,) = [one for one in style.notes_on(draw(dataset, asked)) if one.startswith("no line")]
+    assert note.startswith("no line $L_s$ = 1, 2 rad$^{2}$: below everywhere (at most 0.0")
+    with pytest.raises(EmptyFigureError, match="below everywhere"):
+        draw(dataset, figure("map", variable="L_s", level=[1.0, 2.0], overlay=True))
+
+
 def test_a_level_is_written_again_far_along_a_long_line():
     """Whose branches lie apart: one of them had but its dashes to tell it by."""
     dataset = data.stability_map(initial=("reached",), nx=61, ny=61)
@@ -754,8 +763,12 @@ def test_in_a_jump_to_rest_a_level_lies_half_way(overlay):
     cut = abs(halves - halves.round()).max(axis=1) > 1e-5  # on both sides of the level
     assert len(halves) > 20 and cut.sum() <= 2
     assert (halves[~cut].round() % 2).any(axis=1).all()  # none lies on a point of the grid
-    ended = draw(dataset, figure("map", variable="L_s", level=1e-6, border=False, overlay=overlay))
-    assert not ended.findobj(ContourSet)
+    asked = figure("map", variable="L_s", level=1e-6, border=False, overlay=overlay)
+    if overlay:
+        with pytest.raises(EmptyFigureError, match="in the jump between rest and motion"):
+            draw(dataset, asked)
+    else:
+        assert not draw(dataset, asked).findobj(ContourSet)
 
 
 def test_a_level_at_rest_has_a_line_where_what_moves_passes_it_alone():
@@ -1035,15 +1048,18 @@ def test_a_map_without_a_line_at_the_level_says_on_which_side_it_lies():
     dataset = data.stability_map()
     dataset["L_s"][:, :, 0] = 1.0
     dataset["L_s"][:, :, 1] = 0.0
-    drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
-    assert legend_texts(drawn)[:2] == ["reached, above everywhere", "exists, below everywhere"]
-    assert not drawn.axes[0].collections
+    with pytest.raises(EmptyFigureError, match=r"0.5 .*: above everywhere or below everywhere"):
+        draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
+    one_of_two = dataset.copy(deep=True)
+    one_of_two["L_s"][:9, :, 1] = 1.0
+    drawn = draw(one_of_two, figure("map", variable="L_s", level=0.5, overlay=True))
+    assert legend_texts(drawn)[:2] == ["reached, above everywhere", "exists"]
     lines = figure("map", variable="L_s", level=[0.5, 2.0])
     reason = "no line $L_s$ = 2 rad$^{2}$: below everywhere (at most 1)"
     assert draw(dataset, lines).get_suptitle().endswith(f"\n{reason}")
     dataset["L_s"][:] = np.nan
-    drawn = draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
-    assert legend_texts(drawn)[0] == "reached, not known"
+    with pytest.raises(EmptyFigureError, match="not known"):
+        draw(dataset, figure("map", variable="L_s", level=0.5, overlay=True))
     pending = dataset.assign(status=dataset["status"] * 0 + data.codes(data.STATUS, "pending"))
     with pytest.raises(UsageError, match=r"none of the 714 points has a value \(pending 714"):
         draw(pending, lines)

@@ -628,6 +628,12 @@ def test_forces_of_two_contacts_have_one_range_where_none_is_flat_in_it(share, r
     notes = [note for note in style.notes_on(drawn) if "range of its own" in note]
     assert len(notes) == ranges - 1
     assert drawn.legends[0].get_title().get_text() == "colours: the contact of each panel"
+    called = [one.assign_attrs(called=name) for name, one in
+              (("a", found.assign(F_T=forces)), ("b", found.assign(F_T=0.8 * forces)))]  # fmt: skip
+    drawn = draw([("a", called[0]), ("b", called[1])], figure("history", variable="F_T"))
+    assert len({ax.get_ylim() for ax in drawn.axes}) == ranges  # of each contact one, at least
+    notes = [note for note in style.notes_on(drawn) if "range of its own" in note]
+    assert [note.startswith("F_T: each contact has") for note in notes] == [True] * (ranges - 1)
 
 
 def test_motions_of_several_files_stand_side_by_side_in_a_history():

@@ -256,6 +256,19 @@ def test_a_table_of_starts_is_a_start_for_each_row(tmp_path: Path) -> None:
     xr.testing.assert_identical(found.drop_attrs(), api.run(inline, workers=1).drop_attrs())
 
 
+def test_a_table_of_one_row_is_no_axis_and_a_mistake_in_it_is_told_alone(tmp_path: Path) -> None:
+    """A heading that was wrong had a figure over the starts told wrong, too."""
+    over = '[grid]\nv = [1.0, 2.0]\n[[figure]]\nkind = "map"\nx = "v"\ny = "initial"\n'
+    starts = f'file = "starts.csv"\n{over}'
+    with pytest.raises(CaseError, match="there is one start alone, which is no axis") as told:
+        table(tmp_path, "x\n1.0\n", starts)
+    assert "a table of several rows" in str(told.value)
+    with pytest.raises(CaseError, match="there is no state 'x_dt'") as told:
+        table(tmp_path, "x_dt\n1.0\n", starts)
+    assert "one start" not in str(told.value)
+    table(tmp_path, "x\n1.0\n2.0\n", starts)
+
+
 def test_a_changed_file_is_another_case(tmp_path: Path) -> None:
     before = table(tmp_path, "x\n1.0\n2.0\n")
     after = table(tmp_path, "x\n1.0\n2.5\n")

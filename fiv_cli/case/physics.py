@@ -141,7 +141,11 @@ def note_no_axis(
 ) -> None:
     """Note that `name` is no axis of the case, nor, perhaps, anything that could be one."""
     known = physics.what_varies()
-    if name in known:
+    if name == "initial":
+        alone = "there is one start alone, which is no axis"
+        more = "a second [[initial]], or a table of several rows, makes it one"
+        report.add(place, alone, listed(axes), more, relates=True)
+    elif name in known:
         report.add(place, message, listed(axes), suggest(name, axes), relates=True)
     elif suggest(name, known) or counterpart(name, physics.table()):
         note_nothing_to_vary(name, place, physics, report)

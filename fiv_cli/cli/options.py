@@ -38,7 +38,11 @@ def instead_of(word: str, command: click.Command, others: Mapping[str, click.Com
     if "--figure" in known:  # a plot
         return _in_a_figure("select" if word in ("at", "point", "where") else word)
     flag = "--" + word.replace("_", "-")
-    having = [f"fiv {name} {flag}" for name, other in others.items() if flag in flags(other)]
+    having = [
+        f"fiv {name} {flag}{_value_of(flag, other)}"
+        for name, other in others.items()
+        if flag in flags(other)
+    ]
     return having[0] if having else _in_a_case(word, can_set="--set" in known)
 
 
@@ -48,6 +52,13 @@ def flags(command: click.Command) -> list[str]:
     return [
         max(names, key=len) for one in options for names in (one.opts, one.secondary_opts) if names
     ]
+
+
+def _value_of(flag: str, command: click.Command) -> str:
+    """What an option of a command takes, as its help has it."""
+    (own,) = (one for one in command.params if flag in (*one.opts, *one.secondary_opts))
+    takes_none = isinstance(own, click.Option) and (own.is_flag or own.count)
+    return "" if takes_none else f" {own.metavar or str(own.name).upper()}"
 
 
 def _in_a_figure(word: str) -> str:

@@ -112,6 +112,5 @@ def _table(
     reaching = {name: one for name, one in analyses.items() if "attractor" in one}
     if names == ["shares"] and len(reaching) == 1:
         (part,) = part_of_each(reaching, at).values()
-        told = shares.as_csv(part)
-        return told, shares.without_error(told)
+        return shares.as_csv(part), shares.without_error(part)
     return as_csv(analyses, names, at), without_row(analyses, names, at)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from fiv_cli.plots import style
 from fiv_cli.plots.drawn import in_one_line
-from fiv_cli.plots.labels import title_of, value_label
+from fiv_cli.plots.labels import title_of, unit_text, value_label
 from fiv_cli.reading.causes import case_of
 
 if TYPE_CHECKING:
@@ -29,7 +29,8 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     names = dict.fromkeys(name for dataset in datasets for name in _given(dataset))
     every = [[_held(dataset, name) for dataset in datasets] for name in names]
     given = [own[0] for own in every if own[0] not in said | {""} and len({*own}) == 1]
-    starts = [*_random_starts(datasets[0]), *_starts_of_a_table(datasets[0])]
+    of_each = [[*_random_starts(one), *_starts_of_a_table(one)] for one in datasets]
+    starts = of_each[0] if all(own == of_each[0] for own in of_each) else []
     told = [*filter(None, below), ", ".join(given), *starts, *style.caption_of(drawn)]
     words = in_one_line("; ".join(filter(None, told)))
     return [f"for the caption: {words}"] * bool(words)
@@ -75,14 +76,16 @@ def _starts_of_a_table(dataset: xr.Dataset) -> Iterator[str]:
     labels = [str(one) for one in dataset["initial"].values.ravel()] if "initial" in dataset else []
     members = [one for one in labels if OF_TABLE.sub("", one) in tables]
     states = dataset.get("initial_state")
-    if states is None or "initial" not in states.dims or len(members) > MOST_STARTS:
+    units = dataset.coords.get("state_units")
+    if states is None or units is None or "initial" not in states.dims or not states.size:
         return
-    for label in members:
+    for label in members if len(members) <= MOST_STARTS else ():
         own = states.sel(initial=label).transpose("state", ...)
         rows = own.values.reshape(own.sizes["state"], -1)
         if (rows == rows[:, :1]).all():
-            pairs = zip(own["state"].values, rows[:, 0], own["state_units"].values, strict=True)
-            yield f"{label}: {', '.join(f'{n} = {x:.6g} {unit}' for n, x, unit in pairs)}"
+            each = zip(own["state"].values, rows[:, 0], map(unit_text, units.values), strict=True)
+            words = (f"{name} = {value:.6g} {unit}".rstrip() for name, value, unit in each)
+            yield f"{label}: {', '.join(words)}"
 
 
 def _table(of: Mapping[str, Any], key: str) -> Mapping[str, Any]:

@@ -59,6 +59,18 @@ class CriticalLines:
         return [*[none] * (not inside), *[told] * bool(left)]
 
     @property
+    def accuracy(self) -> str:
+        """How far the line may be off, as far as that is known and any."""
+        array = self.dataset[self.name]
+        plain = self.name.rpartition(":")[2]  # without the case that it is of
+        error = self.dataset.get(error_of(plain), array * np.nan).where(
+            self._is_known(self.dataset)
+        )
+        most = float(error.where(np.isfinite(error)).max())
+        unit = labels.unit_text(str(array.attrs.get("units", "1")))
+        return f"{self._words}: within {most:.2g} {unit}".rstrip() if most > 0.0 else ""
+
+    @property
     def inexact(self) -> Iterator[str]:
         """Where neighbours are not joined, and that there are few values to draw lines through."""
         along, drawn = self._along, [self._joined(panel) for panel in self.panels]
@@ -73,7 +85,8 @@ class CriticalLines:
             yield f"{self._words}: no line in panel {listed(without)}: its case has no value there"
         if lacking := sum(int((~own).sum()) for own in known if own.any()):
             yield (
-                f"{self._words}: its line ends where there is no value, at {lacking} places along "
+                f"{self._words}: its line ends where there is no value, at {lacking} "
+                f"place{'s' * (lacking > 1)} along "
                 f"{along.name}; fiv show of its dataset says why"
             )
         if stops := [labels.number_text(x[at], x.tolist()) for at in self._stops(x, drawn)]:
@@ -105,7 +118,7 @@ class CriticalLines:
         looks = [self._look(piece) for piece in pieces[:1]]
         if pieces and pieces[0][0].size > 1 == pieces[-1][0].size:
             looks.append(self._look(pieces[-1]))
-        told = (self._words, f"{self._words}, at one place alone")
+        told = (self._words, "the same, at one place alone")
         return [
             Line2D([], [], color=colour, label=label, **look)
             for label, look in zip(told, looks, strict=False)
@@ -116,7 +129,8 @@ class CriticalLines:
         ranges = {"xlim": ax.get_xlim(), "ylim": ax.get_ylim()}
         for x, y in self._pieces(panel):
             label = points.unlisted(self._words)
-            ax.plot(x, y, color=colour, label=label, **self._look((x, y)))
+            (drawn,) = ax.plot(x, y, color=colour, label=label, **self._look((x, y)))
+            drawn.set_clip_on(x.size > 1)  # a mark is whole beside a frame, too
         ax.set(**ranges)
         return ()
 

@@ -92,7 +92,7 @@ class Curve:
     of all for which it stands. Of a part of a line the `way` leads to its points, too. Pieces of
     no more than `short` points have marks by all means. `apart` are neighbours with crossings both,
     or whose motions are of one class, between which no line leads. Of its points those `between`
-    two of the grid, shape (n, 2), were not computed.
+    two of the grid, shape (n, 2), were not computed. It has a gap where its motion `leaves_class`.
     """
 
     words: Mapping[str, str]
@@ -112,6 +112,7 @@ class Curve:
     short: int = 1
     apart: tuple[tuple[float, float], ...] = ()
     between: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    leaves_class: bool = False
 
     @property
     def is_branch(self) -> bool:
@@ -192,15 +193,6 @@ class Curve:
         return np.insert(self.way if self.way.size else sure, self.jumps, np.nan)
 
     @property
-    def leaves_class(self) -> bool:
-        """Whether it has a break between two of its points that is not told to be `apart`."""
-        at = np.array(self.jumps, int)
-        known = np.isfinite(np.where(self.open, np.nan, self.y))
-        steps = at[known[at] & known[at - 1]]
-        pairs = {(self.x[one - 1], self.x[one]) for one in steps}
-        return not self.of_crossings and bool(pairs - {*self.apart})
-
-    @property
     def is_known(self) -> bool:
         """Whether it has any value."""
         return bool(self.known.any())
@@ -275,7 +267,8 @@ def lines_of(
             )
         )
         y, error, ends = _narrowed(y, error, ends)
-        apart = (told[1:] != told[:-1]) | parted(axis)
+        differ = told[1:] != told[:-1]
+        apart = differ | parted(axis)
         left = np.logical_or.reduce(
             [_leaves(dataset, own, line.index, of_panels[own]) for own in {name, *alike}]
         )
@@ -288,7 +281,8 @@ def lines_of(
         limits = (0.0, 1.0) if name == "share" else (-np.inf, np.inf)
         of_line = x, y, open_, (ends[0], ends[1]), error, jumps
         pairs = tuple((x[at], x[at + 1]) for at in steps)
-        curve = Curve(told_by, *of_line, limits=limits, apart=pairs)
+        leaves = bool((differ & ~parted(axis) & shown[1:] & shown[:-1]).any())
+        curve = Curve(told_by, *of_line, limits=limits, apart=pairs, leaves_class=leaves)
         part = dataset.isel(line.index) if name == GROWTH else None
         curves.append(curve if part is None else _through_mergers(curve, part, axis))
     return curves

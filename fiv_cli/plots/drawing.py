@@ -313,7 +313,8 @@ def _layers(files: Sequence[_File], figure: FigureSpec, kind: Kind) -> list[Laye
     ]
     if "title" in figure.settings or len({title_of(one.dataset.attrs) for one in asked}) > 1:
         layers = [replace(one, dataset=_retitled(one.dataset, figure)) for one in layers]
-    if figure.kind in OF_LINES and "take" not in figure.settings:
+    along_starts = "initial" in (figure.settings.get("x"), figure.settings.get("y"))
+    if (figure.kind in OF_LINES or along_starts) and "take" not in figure.settings:
         layers = [replace(one, dataset=_few_named(one.dataset)) for one in layers]
     if len(layers) > 1:  # each of them is called by what it differs in
         layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -38,7 +38,7 @@ START = "start"
 """A column more, of figures whose points have names: those of starts."""
 _NAMES: WeakKeyDictionary[Artist, Sequence[str]] = WeakKeyDictionary()
 _LEFT_OUT: WeakKeyDictionary[Artist, set[tuple[float, float]]] = WeakKeyDictionary()
-_AXES: WeakKeyDictionary[Axes, tuple[str, str]] = WeakKeyDictionary()
+_AXES: WeakKeyDictionary[Axes, Mapping[str, str]] = WeakKeyDictionary()
 _WHOLE: WeakKeyDictionary[Artist, Sequence[np.ndarray]] = WeakKeyDictionary()
 UNNAMED = "_child"  # what matplotlib calls an artist without a label, and counts
 
@@ -48,9 +48,9 @@ def name_points(artist: Artist, names: Sequence[str]) -> None:
     _NAMES[artist] = names
 
 
-def name_axes(ax: Axes, *labels: str) -> None:
-    """Labels of x and y in units without the power of ten that the ticks may be in."""
-    _AXES[ax] = (labels[0], labels[1])
+def name_axes(ax: Axes, labels: Mapping[str, str]) -> None:
+    """What its labels are in units without the power of ten that the ticks may be in."""
+    _AXES[ax] = labels
 
 
 def leave_out(artist: Artist, points: np.ndarray) -> None:
@@ -125,10 +125,13 @@ def _panel(ax: Axes) -> str:
 
 def _axis_labels(figure: Figure, ax: Axes) -> tuple[str, str]:
     """Labels of both axes; panels that share them have x below the last and y beside the first."""
-    words = [_AXES.get(one, (one.get_xlabel(), one.get_ylabel())) for one in figure.axes]
     here = figure.axes.index(ax)
-    below, beside = [x for x, _ in words], [y for _, y in words[: 1 + here]]
-    return below[here] or _last(below), _last(beside)
+    below, beside = (
+        [_AXES.get(one, {}).get(word, word) for one, word in zip(figure.axes, words, strict=True)]
+        for words in ([one.get_xlabel() for one in figure.axes],
+                      [one.get_ylabel() for one in figure.axes])
+    )  # fmt: skip
+    return below[here] or _last(below), _last(beside[: 1 + here])
 
 
 def _last(words: Iterable[str]) -> str:

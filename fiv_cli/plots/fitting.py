@@ -7,7 +7,7 @@ import re
 import warnings
 from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -31,6 +31,7 @@ LONGEST_TEXT = 600  # characters
 FEWEST_TICKS = 3  # steps between them, on an axis of any length
 TICK_LETTERS, TICK_GAP = 7, 2  # that a tick and the gap beside it take at least, and the gap
 SAMPLE = "equilibrium 0.870 ± 0.015"
+POWER = re.compile(r"\$\\times\\mathdefault\{10\^\{(\D?\d+)\}\}(?:\\mathdefault\{\})?\$")
 NARROW_PANEL = 6.0  # in heights of letters: less holds no more than two ticks
 
 
@@ -103,14 +104,16 @@ def _fit(ax: Axes, title: str, xlabel: str, ylabel: str) -> int:
         locator = axis.get_major_locator()
         locator = locator.own if isinstance(locator, style.TicksAbove) else locator
         if isinstance(locator, AutoLocator):
-            locator.set_params(min_n_ticks=FEWEST_TICKS)
+            # as many as there is room for now: else labels and panels could change in turns
+            most = max(FEWEST_TICKS - 1, min(9, axis.get_tick_space()))
+            locator.set_params(nbins=most, min_n_ticks=FEWEST_TICKS)
             if axis is ax.xaxis:
                 _fit_ticks(axis, locator, beside)
     above = "\n".join(style.folded(one, beside) for one in title.splitlines())
-    below = style.folded(_with_power(ax.xaxis, xlabel), beside)
-    left = style.folded(_with_power(ax.yaxis, ylabel), upright)
+    below = style.folded(_with_power(ax, "x", xlabel), beside)
+    left = style.folded(_with_power(ax, "y", ylabel), upright)
     ax.set(title=above, xlabel=below, ylabel=left)
-    drawn.name_axes(ax, xlabel, ylabel)
+    drawn.name_axes(ax, {below: xlabel, left: ylabel})
     for label in (ax.xaxis.label, ax.yaxis.label):
         label.set_linespacing(1.1)
     return (above.count("\n") - title.count("\n") + below.count("\n")) * _rows(ax)
@@ -126,24 +129,54 @@ def _fit_ticks(axis: Axis, locator: AutoLocator, room: int) -> None:
         letters = max(TICK_LETTERS, style.longest(texts or [""]) + TICK_GAP)
 
 
-def _with_power(axis: Axis, label: str) -> str:
+def _with_power(ax: Axes, which: str, label: str) -> str:
     """A label with the power of ten that the numbers at the ticks are in, as ``(10^5 N/m)``.
 
-    Matplotlib's own place for it, at the end of the axis, is where long labels and headings are.
+    Matplotlib's own place for it, at the end of the axis, is where long labels and headings are; it
+    stays there where panels beside it, which that label is for, too, have another.
     """
+    axes = [_axis(one, which) for one in (ax, *_labelled_by(ax, which))]
+    power, *others = dict.fromkeys(map(_power, axes))
+    if not label or not power or others or label.count("$") % 2:
+        return label
+    for axis in axes:
+        axis.get_major_formatter().set_powerlimits((power, power))  # whatever becomes of its limits
+        axis.get_offset_text().set_visible(False)
+    unit = re.search(r"\s\((?:1/)?(\S.*)\)$", label)
+    if unit and re.fullmatch(style.UNIT, f" {unit[1]}"):
+        return f"{label[: unit.start()]} ($10^{{{power}}}$ {unit[0].strip()[1:]}"
+    return f"{label} ($10^{{{power}}}$)"
+
+
+def _axis(ax: Axes, which: str) -> Any:
+    return ax.xaxis if which == "x" else ax.yaxis
+
+
+def _power(axis: Any) -> int:
+    """The power of ten of the numbers at the ticks; 0 where there is none, or an offset as well."""
     formatter = axis.get_major_formatter()
-    if not label or not isinstance(formatter, ScalarFormatter):
-        return label
+    if not isinstance(formatter, ScalarFormatter):
+        return 0
     formatter.format_ticks(list(axis.get_majorticklocs()))
-    found = re.search(r"10\^\{(\D?\d+)\}", formatter.get_offset())
-    if not found:
-        return label
-    power = int(found[1].replace("\N{MINUS SIGN}", "-"))
-    formatter.set_powerlimits((power, power))  # whatever becomes of its limits
-    axis.get_offset_text().set_visible(False)
-    unit = re.search(r" \(([^()=]*)\)$", label)
-    words, of = (label[: unit.start()], f" {unit[1]}") if unit else (label, "")
-    return f"{words} ($10^{{{power}}}${of})"
+    found = POWER.fullmatch(formatter.get_offset())
+    return int(found[1].replace("\N{MINUS SIGN}", "-")) if found else 0
+
+
+def _labelled_by(ax: Axes, which: str) -> list[Axes]:
+    """The panels of the same row, or column, that have no label of their own."""
+    place = ax.get_subplotspec()
+    if place is None:
+        return []
+    span = "colspan" if which == "x" else "rowspan"
+    beside = (
+        one for one in style.own_axes(ax.figure.figure) if one.get_subplotspec() and one.axison
+    )
+    return [
+        one
+        for one in beside
+        if getattr(one.get_subplotspec(), span) == getattr(place, span)
+        and not _axis(one, which).label.get_text()
+    ]
 
 
 def _rows(ax: Axes) -> int:

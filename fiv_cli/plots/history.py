@@ -88,9 +88,14 @@ def _draw_panels(
             ax.set_ylabel(motion.label_of(dataset[name], own))
         if row == len(rows) - 1:
             ax.set_xlabel(labels.axis_label(dataset["time"], "t"))
-    shown = [rows[n // columns % len(rows)][0] for n in range(len(axes))]
+    of_rows = [
+        [ax for n, ax in enumerate(axes) if n // columns % len(rows) == row]
+        for row in range(len(rows))
+    ]
     for name in names:  # of each of its contacts, too
-        _share_heights([ax for ax, own in zip(axes, shown, strict=True) if own == name])
+        _share_heights(
+            name, [of for of, (one, _) in zip(of_rows, rows, strict=True) if one == name]
+        )
     return figure, axes
 
 
@@ -103,8 +108,10 @@ def _with_one_time(motions: Sequence[motion.Motion], blocks: int) -> Any:
     return "all" if apart <= ALIKE * (last.max() - first.min()) else "col"
 
 
-def _share_heights(axes: Sequence[Axes]) -> None:
-    """Let panels of one variable have one range of it, or say that some would be flat there."""
+def _share_heights(name: str, rows: Sequence[Sequence[Axes]]) -> None:
+    """Let panels of one variable have one range of it, of each contact at least, or say that some
+    would be flat there."""
+    axes = [ax for row in rows for ax in row]
     extents = [
         np.ptp(ax.dataLim.intervaly) for ax in axes if np.isfinite(ax.dataLim.intervaly).all()
     ]
@@ -112,10 +119,19 @@ def _share_heights(axes: Sequence[Axes]) -> None:
     if extents and high.max() - low.min() <= FLAT * min(extents):
         for ax in axes:
             ax.set_ylim(low.min(), high.max())
+    elif len(rows) > 1:
+        for row in rows:
+            _share_heights(name, [row])
+        _note_apart(axes[0], f"{name}: each contact has", low.min(), high.max())
     elif np.ptp(low) > 0.0 or np.ptp(high) > 0.0:
-        told = f"{axes[0].get_ylabel()}: each panel has a range of its own, or some would be flat"
-        both = f"ylim = [{low.min():.3g}, {high.max():.3g}] in the figure is one for all"
-        style.add_notes(axes[0].figure.figure, [f"{told}; {both}"])
+        _note_apart(axes[0], f"{axes[0].get_ylabel()}: each panel has", low.min(), high.max())
+
+
+def _note_apart(ax: Axes, told: str, low: float, high: float) -> None:
+    """That ranges differ, and how they would not."""
+    both = f"ylim = [{low:.3g}, {high:.3g}] in the figure is one for all"
+    note = f"{told} a range of its own, or some would be flat; {both}"
+    style.add_notes(ax.figure.figure, [note])
 
 
 def _panel(

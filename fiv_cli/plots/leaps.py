@@ -66,7 +66,8 @@ def told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> tuple[np.nda
 
     They are negative of what passes no section.
     """
-    changes, surely = kinds[1:] != kinds[:-1], np.zeros(kinds.size - 1, bool)
+    changes = kinds[1:] != kinds[:-1]
+    surely = np.zeros_like(changes)
     for one in marks:
         if one.shape == kinds.shape and one.notnull().any():
             ends = float(one.min()), float(one.max())

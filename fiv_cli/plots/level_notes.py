@@ -37,22 +37,31 @@ Panel: TypeAlias = Sequence[Sequence[np.ndarray]]
 
 
 def missed(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float]) -> Iterator[str]:
-    """Of each level that no plane reaches: why there is no line."""
+    """Of levels that no plane reaches: why there is no line."""
+    found: dict[str, list[float]] = {}
     for number, level in enumerate(levels):
         sides = {beside(plane, level) for panel in panels for plane in panel[number]}
         if "" not in sides:
-            told = f"{' or '.join(sorted(sides))}{_reached(panels, number, sides)}"
-            yield f"no line {words(array, level, levels)}: {told}"
+            told = f"{' or '.join(sorted(sides))}{_reached(panels, number, sides, level)}"
+            found.setdefault(told, []).append(level)
+    for told, of in found.items():
+        several = [words(array, level, levels) for level in of]
+        if len(several) > 1 and not is_count(str(array.name)):
+            unit = labels.unit_text(str(array.attrs.get("units", "1")))
+            own = labels.quantity(array, str(array.name))
+            several = [f"{own} = {_named(of, levels)} {unit}".rstrip()]
+        yield f"no line {listed(several)}: {told}"
 
 
-def _reached(panels: Sequence[Panel], number: int, sides: Collection[str]) -> str:
-    """What all planes reach that lie on one side of a level."""
+def _reached(panels: Sequence[Panel], number: int, sides: Collection[str], level: float) -> str:
+    """What all planes reach that lie on one side of a level, where that is not next to it."""
     extremes = {"below everywhere": (np.nanmax, "most"), "above everywhere": (np.nanmin, "least")}
     if len(sides) != 1 or not {*sides} <= {*extremes}:
         return ""
     of, which = extremes[next(iter(sides))]
     reached = of([of(part) for panel in panels for plane in panel[number] for part in plane])
-    return f" (at {which} {reached:.3g})"
+    told = float(f"{reached:.3g}")
+    return f" (at {which} {labels.number_text(told)})" if told != level else ""
 
 
 def unwritten(
@@ -94,6 +103,11 @@ def crowded(array: xr.DataArray, panels: Sequence[Panel], levels: Sequence[float
             f"{array.name} = {told}: between the same points of the grid along most of "
             "their lines, which are no more exact; more of it: a larger num, a narrower axis"
         )
+
+
+def have_lines(panels: Sequence[Panel], levels: Sequence[float]) -> bool:
+    """Whether there is a line at any of some levels."""
+    return any(_has_line(panels, number, level) for number, level in enumerate(levels))
 
 
 def _has_line(panels: Sequence[Panel], number: int, level: float) -> bool:

@@ -507,7 +507,8 @@ def _rooms(
             free = np.where(hides | _bends(along, around[0], box[1]), 0.0, apart)
             best = np.where(off > ROOM * length, free, 0.0)
             if best.max() > ROOM * length:
-                own = _spread(along, best, AGAIN * float(np.linalg.norm(ax.bbox.size)))
+                far_off = AGAIN * float(np.linalg.norm(ax.bbox.size))
+                own = _spread(along, best, far_off, MOST_WRITTEN - len(chosen))
                 chosen.extend(piece[own])
                 taken.extend(along[own])
                 break
@@ -516,11 +517,11 @@ def _rooms(
     return chosen or roomiest[1]
 
 
-def _spread(along: np.ndarray, room: np.ndarray, apart: float) -> list[int]:
+def _spread(along: np.ndarray, room: np.ndarray, apart: float, most: int) -> list[int]:
     """Which points of a line have the most room and, of a long one, lie so far from the first and
     from each other, along it and across the panel."""
     way, found = _way(along), list[int]()
-    while room.max() > 0.0 and len(found) < MOST_WRITTEN:
+    while room.max() > 0.0 and len(found) < most:
         at = int(room.argmax())
         found.append(at)
         near = _distances(along, [along[at]]) < apart

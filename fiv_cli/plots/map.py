@@ -13,7 +13,7 @@ from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
 from matplotlib.patches import Patch
 
-from fiv_cli.errors import UsageError
+from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import NOT_COMPUTED, ON_THE_WAY
 from fiv_cli.notation.names import pick
 from fiv_cli.plots import labels, legends, level_notes, levels, points, style
@@ -94,11 +94,15 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for ax in axes[: len(planes.panels)]:
         points.scale(ax, settings)
     inexact = [word for one in lines for word in one.inexact]
-    if not flag_names(planes.array.attrs):
+    of_the_map = any(isinstance(one, _Lines) and one.of_the_map for one in lines)
+    if not flag_names(planes.array.attrs) and not of_the_map:
         inexact += _of_filled(planes, "no value")
     otherwise = *_held_otherwise(layers[0], planes, settings), *_told_twice(planes, settings)
     told = *missed, *otherwise, *unwritten, *inexact
     style.add_notes(figure, told)
+    for line in lines:
+        if isinstance(line, CriticalLines) and line.accuracy:
+            style.add_to_caption(figure, line.accuracy)
     return figure
 
 
@@ -466,6 +470,9 @@ def _overlaid(
     figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
     if not own:
         raise UsageError("maps are overlaid as lines, and no `level` says which")
+    if not level_notes.have_lines(own[0].ends, own[0].levels):
+        reach = "next: levels between the least and the greatest value, which fiv show has"
+        raise EmptyFigureError("\n".join([*own[0].missed, reach]))
     named = [panel.label for panel in planes.panels]
     for axis, which in zip(planes.axes, "xy", strict=True):
         points.dress_axis(ax, axis, which)

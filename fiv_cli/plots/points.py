@@ -368,10 +368,16 @@ def title(dataset: xr.Dataset, *others: xr.Dataset) -> str:
     no value of the figure.
     """
     single = [dim for dim in grid_dims(dataset) if dataset.sizes[dim] == 1]
-    alone = [axis for dim in single for axis in _axes_along(dataset, dim)]
-    alone = [axis for axis in alone if all(_has_no_other(one, axis) for one in others)]
+    alone = [
+        [axis for axis in _axes_along(dataset, dim) if all(_has_no_other(o, axis) for o in others)]
+        for dim in single
+    ]
     changed = [labels.value_label(one, one.item()) for one in _set_by_hand(dataset)]
-    words = [*(_alone(axis) for axis in alone), str(dataset.attrs.get("of_several", "")), *changed]
+    words = [
+        *(word for axes in alone for word in _alone(axes)),
+        str(dataset.attrs.get("of_several", "")),
+        *changed,
+    ]
     differs = str(dataset.attrs.get("differs", "")).split(", ")
     words += [word for word in differs if word not in words]
     words += ["settled"] * all(map(is_settled, (dataset, *others)))
@@ -400,9 +406,9 @@ def is_settled(dataset: xr.Dataset) -> bool:
     return str(dataset.attrs.get("point", "")).endswith(", settled")
 
 
-def _alone(axis: xr.DataArray) -> str:
-    word = labels.value_label(axis, axis.values[0])
-    return f"start: {word}" if axis.name == "initial" else word
+def _alone(axes: Sequence[xr.DataArray]) -> list[str]:
+    words = labels.values_along(axes, 0) if axes else []
+    return [f"start: {words[0]}"] if [one.name for one in axes] == ["initial"] else words
 
 
 def joined(*words: str) -> str:

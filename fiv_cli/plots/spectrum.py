@@ -306,7 +306,8 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
 
 def _cut(highest: float, last: float, decades: float, settings: points.Settings) -> Iterator[str]:
     """That a spectrum goes on beyond the frequency to which it is shown."""
-    if "xlim" not in settings and 0.0 < MARGIN * highest < last:
+    whole = "xlim" in settings or points.is_logarithmic(settings, "x")
+    if not whole and 0.0 < MARGIN * highest < last:
         unit = FREQUENCIES[settings.get("unit") or "Hz"][1]
         yield (
             f"beyond {highest:.3g} {unit} no amplitude is over {10.0**-decades:.1g} of the "

@@ -379,8 +379,16 @@ def _is_near(
 ) -> bool:
     """Whether shares that two of their standard errors lie beside would be told otherwise."""
     names = [f"{variable}{end}" for end in ("", "_low", "_high") if f"{variable}{end}" in part]
+    some = np.finfo(float).tiny, 1.0 - np.finfo(float).eps  # one start of a class is enough of it
     shifted = (
-        part.assign({name: part[name] + off * part[ERROR].fillna(0.0) for name in names})
+        part.assign(
+            {
+                name: (part[name] + off * part[ERROR])
+                .clip(*some)
+                .where(part[ERROR] > 0, part[name])
+                for name in names
+            }
+        )
         for off in (-ACROSS, ACROSS)
     )
     trials = (_try(claim, one, variable, stored) for one in shifted)

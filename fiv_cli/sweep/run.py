@@ -233,7 +233,7 @@ def _stored_elsewhere(journal: Journal) -> str:
         done, _ = _loaded(Journal(other, plan)).progress()
         if done > enough:
             into = f"-o {other.with_suffix('.nc')} (in Python: output)"
-            using = f"the same run with {into} uses them, and makes that dataset this one"
+            using = f"the same run with {into} uses them, and overwrites that dataset"
             return f"{counted(done)} of it lie in {other}; {using}"
     return ""
 
