@@ -205,7 +205,7 @@ def test_status_before_between_and_after(capsys: pytest.CaptureFixture[str]) -> 
     assert fiv(["status", "pin.toml", "--exit-code"]) == 8
     told = capsys.readouterr().out
     assert "runs/pin.nc (partial)\n  nobody is running it; the same `fiv run` goes on" in told
-    assert re.search(r"  the last run: .* points/s( of late)?, some ", told)
+    assert re.search(r"  the last run that computed points: .* points/s( of late)?, some ", told)
     log, ago = Path("runs/pin.run/run.log"), datetime.now().astimezone() - timedelta(seconds=100)
     lines = [line.split(" ", 1)[1] for line in log.read_text().splitlines(keepends=True)[:2]]
     points = log.read_text().splitlines(keepends=True)[2:]

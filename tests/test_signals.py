@@ -180,7 +180,7 @@ def test_how_fast_it_goes_is_told_elsewhere_while_it_runs_and_afterwards(tmp_pat
     assert "next: fiv status case.toml -o a.nc;" in shown
     told = json.loads(other(tmp_path, *STATUS, "--json"))
     assert told["elapsed"] > 0.0 and told["rate"] > 0.0
-    assert re.search(rf"the last run{pace}", other(tmp_path, *STATUS))
+    assert re.search(rf"the last run that computed points{pace}", other(tmp_path, *STATUS))
 
 
 def other(folder: Path, *arguments: str) -> str:

@@ -87,8 +87,9 @@ def command(
         _show_models(name, as_json)
 
 
-def _having(name: str) -> list[tuple[str, str, str, str]]:
-    """Model or law, unit, default and meaning of each parameter, state or option called `name`."""
+def _having(name: str) -> list[tuple[str, ...]]:
+    """Model or law, unit, default and meaning of each parameter, state or option called `name`, and
+    what model or law that is."""
     from fiv_cli.friction import TANH_OF, all_laws
     from fiv_cli.models import all_models
 
@@ -103,11 +104,13 @@ def _having(name: str) -> list[tuple[str, str, str, str]]:
         found += [(model.name, s.unit, "", f"state: {s.meaning}") for s in states if s.name == name]
         options = [option for option in model.options if option.name == name]
         found += [(model.name, "", o.default, f"option: {o.meaning}") for o in options]
-    return found
+    titles = {model.name: model.title for model in models}
+    titles |= {law.name: law.title for law in all_laws().values()}
+    return [(*row, titles[row[0]]) for row in found]
 
 
 def _show_having(name: str, having: Sequence[tuple[str, ...]], as_json: bool) -> None:
-    columns = ("of", "unit", "default", "meaning")
+    columns = ("of", "unit", "default", "meaning", "what that is")
     if as_json:
         print_json({"name": name, "of": [dict(zip(columns, row, strict=True)) for row in having]})
     else:

@@ -110,7 +110,7 @@ class Standing:
         if self.running_parts or not self.counts["pending"]:
             return []
         goes_on = "  nobody is running it; the same `fiv run` goes on from here"
-        last = [f"  the last run: {self.pace}"] if self.pace else []
+        last = [f"  the last run that computed points: {self.pace}"] if self.pace else []
         return [goes_on] * (self.points > self.counts["pending"]) + last
 
     def _dataset_holds(self) -> str:

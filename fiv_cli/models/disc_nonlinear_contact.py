@@ -117,7 +117,7 @@ def singular(known: Mapping[str, float], options: Options) -> tuple[str, str]:
 
 MODEL = Model(
     name="disc-nonlinear-contact",
-    title="slider in nonlinear contact with a spinning elastic disc",
+    title="slider in nonlinear contact with a disc: elastic, or rigid (two degrees of freedom)",
     reference="thesis 6.5; equations 6.21-6.42",
     numerics_version=1,
     parameters=PARAMETERS,

@@ -105,6 +105,15 @@ def mark_critical(
         ax.plot(at, 0.0 * at, label=told, **CRITICAL | look)
     if colours:
         ax.plot([], [], label=words, **CRITICAL)
+    x = points.positions(axis)
+    marked = np.concatenate([at[largest] if of_largest else at for _, at, largest in found])
+    beyond = np.unique(marked[(marked < x.min()) | (marked > x.max())])
+    if beyond.size:
+        told = listed([labels.number_text(value, beyond.tolist()) for value in beyond])
+        note = (
+            f"{words} at {told}: beyond the lines, which a wider {axis.name} in their case leads on"
+        )
+        style.add_notes(ax.figure.figure, [note])
 
 
 def _critical_of_lines(
