@@ -302,10 +302,34 @@ def test_critical_values_lie_where_amplitudes_begin():
         for ax in draw([("a", several), ("b", two)], wanted).axes
     )
     assert upper == lower and len({*upper}) == 2  # of the lines, in every panel
+    two = critical.expand_dims(N0=[1.0, 2.0, 3.0])
+    starts = found.expand_dims(N0=[1.0, 2.0, 3.0]).isel(initial=[0, 0]).copy(deep=True)
+    starts = starts.assign_coords(initial=["near", "far"])
+    rising = np.repeat(np.arange(27.0), 2).reshape(starts["phi_amplitude"].shape)
+    rising[:, :4, 1] += 30.0  # from there on both starts lead to one motion: colours tell them
+    starts["phi_amplitude"] = starts["phi_amplitude"].copy(data=rising)
+    wanted = figure("curve", x="Omega", variable="phi_amplitude")
+    (ax,) = draw([("a", starts), ("b", two)], wanted).axes
+    told = [text for text in legend_texts(ax) if "critical value" in text]
+    fills = {str(one.get_mfc()) for one in ax.lines if "critical value" in str(one.get_label())}
+    assert len(told) == len(fills) == 3 and all("$N_{0}$ = " in text for text in told)
     wanted = figure("curve", variable="phi_amplitude")
     critical["critical_value"].attrs["long_name"] = "critical value of N0"
     with pytest.raises(UsageError, match="no phi_amplitude"):
         draw([("a", found), ("b", critical)], wanted)
+
+
+def test_a_line_that_two_with_other_dashes_run_upon_is_wider_and_seen():
+    """As frequencies at several stiffnesses, which differ by less than a line is wide."""
+    axes = data.axes(Omega=np.linspace(1.0, 2.0, 9), N0=[1.0, 2.0, 3.0], initial=["a"])
+    values = np.linspace(70.0, 78.0, 9)[:, None, None] + 1e-3 * np.arange(3)[:, None]
+    found = data.response(np.full((9, 3, 1), "periodic", object), values, axes)
+    for count, widest in ((3, 2.0), (2, 1.2)):
+        asked = figure("curve", variable="L_s", x="Omega")
+        (ax,) = draw(found.isel(N0=slice(count)), asked).axes
+        widths = {one.get_linewidth() for one in ax.lines if len(one.get_xdata()) > 1}
+        assert (max(widths) > 1.5 * min(widths)) == (count == 3)
+        assert max(widths) >= widest
 
 
 def test_a_break_that_is_none_of_classes_is_not_told_to_be():

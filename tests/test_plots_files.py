@@ -12,6 +12,7 @@ from plotted import figure
 
 from fiv_cli.errors import StorageError, UsageError
 from fiv_cli.plots import default_figures, draw, look_of, save, style
+from fiv_cli.plots.captions import caption
 
 SIGNATURES = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
 
@@ -138,6 +139,12 @@ def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp
     other = [("a", given), ("b", given.assign_attrs(case="", law="stribeck"))]  # its default
     (note,) = [n for n in style.notes_on(draw(other, figure(kind), look=paper)) if "caption" in n]
     assert note == told[0]
+    of_two = given.drop_vars("N").expand_dims(N=[5.0, 6.0])  # with an axis that has it, too
+    of_two["N"].attrs["units"] = "N"
+    with style.looks(look=paper):
+        for beside in (of_two.isel(N=[0]), of_two):
+            assert caption(drawn, [given, beside]) == told
+        assert not any("N = " in told for told in caption(drawn, [given, of_two.isel(N=[1])]))
     save(drawn, tmp_path / "a.svg", paper)
     written = (tmp_path / "a.svg").read_text()
     assert f'width="{84.0 / 25.4 * 72.0:.6f}'.rstrip("0") in written

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     metavar="NAME,...",
     help="Print variables as a table instead: a row for each value, its point beside it, in SI; "
     "'NAME[x]' is the column of one state or contact, 'NAME[*]' one of each; 'shares' are those of "
-    "random starts, with their standard errors, or of a lattice, without. Here --at takes "
+    "random starts, with their standard errors, or of a lattice, without. What has an error of its "
+    "own has it beside it. Here --at takes "
     "classes, too.",
 )
 @click.option(

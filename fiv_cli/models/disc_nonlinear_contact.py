@@ -60,7 +60,8 @@ OPTIONS = (
         "states",
         ("all", "slip", "slip+separation", "slip+reverse+separation"),
         "all",
-        "states of motion: stick, slip both ways and separation, or fewer",
+        "states of motion: stick, slip both ways and separation, or fewer; without separation the "
+        "contact may pull, and without reverse slip friction keeps its sense",
     ),
     Option(
         "impact",

@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from fiv_cli.plots import style
 from fiv_cli.plots.drawn import in_one_line
 from fiv_cli.plots.labels import title_of, unit_text, value_label
@@ -27,8 +29,8 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     below = str(drawn.get_label()).removeprefix(title_of(datasets[0].attrs)).splitlines()
     said = {word for line in below for word in line.split(", ")}
     names = dict.fromkeys(name for dataset in datasets for name in _given(dataset))
-    every = [[_held(dataset, name) for dataset in datasets] for name in names]
-    given = [own[0] for own in every if own[0] not in said | {""} and len({*own}) == 1]
+    every = [_of_all([_held(dataset, name) for dataset in datasets]) for name in names]
+    given = [word for word in every if word not in said | {""}]
     of_each = [[*_random_starts(one), *_starts_of_a_table(one)] for one in datasets]
     starts = of_each[0] if all(own == of_each[0] for own in of_each) else []
     told = [*filter(None, below), ", ".join(given), *starts, *style.caption_of(drawn)]
@@ -43,14 +45,20 @@ def _given(dataset: xr.Dataset) -> Iterator[str]:
     yield from _table(case, "friction")
 
 
-def _held(dataset: xr.Dataset, name: str) -> str:
-    """The one number that a dataset has of a parameter, or its law; "" if there is none."""
+def _held(dataset: xr.Dataset, name: str) -> list[str]:
+    """The numbers that a dataset has of a parameter, or its law."""
     if name == "law":
-        return f"law: {dataset.attrs['law']}" if "law" in dataset.attrs else ""
+        return [f"law: {dataset.attrs['law']}"] if "law" in dataset.attrs else []
     held = dataset.coords.get(name)
-    if held is None or held.ndim or held.dtype.kind not in "fi":
-        return ""
-    return value_label(held, held.item())
+    if held is None or held.ndim > 1 or held.dtype.kind not in "fi":
+        return []
+    return [value_label(held, value) for value in np.ravel(held.values)]
+
+
+def _of_all(held: Sequence[Sequence[str]]) -> str:
+    """The one value that some datasets have and all others have, too, perhaps among more."""
+    alone = {one[0] for one in held if len(one) == 1}
+    return next(iter(alone)) if len(alone) == 1 and all(alone <= {*one} for one in held) else ""
 
 
 def _random_starts(dataset: xr.Dataset) -> Iterator[str]:

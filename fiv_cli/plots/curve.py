@@ -194,6 +194,12 @@ def _draw_panels(
 def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     """What to do about what is not drawn, or not joined."""
     yield from _of_edges(shown.parts)
+    modes = (one.dataset for own in shown.parts.values() for one in own.values())
+    if any("mode" in one[name].dims for one in modes for name in shown.parts if name in one):
+        yield (
+            "of a conjugate pair both are drawn, as one line; --figure eigenvalues draws one of "
+            "them, where modes merge and where they turn unstable"
+        )
     yield from _of_crossings(shown.parts, shown.axis)
     yield from _of_branches_not_drawn(shown.parts, shown.axis)
     known = [one for one in every if one.is_known]

@@ -26,6 +26,7 @@ FRAMED = "several, one upon another"
 FRAME: dict[str, Any] = {"marker": "s", "ms": 7, "mfc": "none", "mew": 1.2, "ls": "none"}
 CAP = 2.0  # half the width of the ends of error bars, pt
 UNSEEN = 5e-3  # of all that a panel shows: an error bar that is shorter has no ends
+THIN = 2e-3  # of it: lines that lie closer are one to the eye
 BRANCH = 1.8  # as wide as other lines, which lie over it: it is seen beside these
 BAR: dict[str, Any] = {"lw": 2.5, "alpha": 0.5}
 UNSURE = {
@@ -57,7 +58,10 @@ def draw_panel(
     lies_below, framed = any(not curve.sort for curve, _ in lines), False
     for place, (curve, entry) in enumerate(_black_where_plain(lines)):
         later = lines[place + 1 :]
-        upon = sum((_upon(other, (curve, entry)) for other in later), 0 * curve.x)
+        thin = 0.0 if logarithmic else THIN * extent
+        over = (_upon(other, (curve, entry), thin) for other in later)
+        shares = sum(over, np.zeros(curve.x.size))
+        upon = np.floor(shares).astype(int)
         style.add_notes(ax.figure.figure, [*_hidden(curve, upon)])
         # along the axis more would be a bar
         upon[(curve.y == 0.0) & (upon > branch.MOST_BENEATH)] = 0
@@ -183,15 +187,18 @@ def _extent(curves: Sequence[Curve], logarithmic: bool) -> float:
     return float(np.ptp(heights)) if heights.size else 0.0
 
 
-def _upon(over: tuple[Curve, points.Entry], under: tuple[Curve, points.Entry]) -> np.ndarray:
-    """At which points of a line another, of another colour and as dashed, runs upon it."""
+def _upon(
+    over: tuple[Curve, points.Entry], under: tuple[Curve, points.Entry], thin: float
+) -> np.ndarray:
+    """At which points of a line another, of another colour, runs upon it; it counts half if it is
+    dashed otherwise: a line is seen through the dashes of one, and not of two."""
     (one, entry), (other, beneath) = over, under
-    alike = entry.dash == beneath.dash and entry.colour != beneath.colour and not one.sort
-    if not alike or not np.array_equal(one.x, other.x):
-        return np.zeros(other.x.size, int)
-    met = np.isclose(one.y, other.y, rtol=points.UPON, atol=0.0) & ~one.open & ~one.is_wide
+    if entry.colour == beneath.colour or one.sort or not np.array_equal(one.x, other.x):
+        return np.zeros(other.x.size)
+    hides, off = (1.0, 0.0) if entry.dash == beneath.dash else (0.5, thin)
+    met = np.isclose(one.y, other.y, rtol=points.UPON, atol=off) & ~one.open & ~one.is_wide
     met = np.pad(met, 1)
-    return np.asarray(met[1:-1] & (met[2:] | met[:-2]), int)
+    return np.asarray(hides * (met[1:-1] & (met[2:] | met[:-2])))
 
 
 def _frame_hidden(ax: Axes, curve: Curve, entry: points.Entry, later: Sequence[Curve]) -> bool:

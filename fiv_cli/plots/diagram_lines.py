@@ -91,17 +91,19 @@ def mark_critical(
         )
     words = f"critical value of {labels.quantity(axis, str(axis.name))}"
     drawn = style.own_axes(ax.figure.figure)  # the legend is that of all
-    colours = points.colours(drawn) if colours_tell and len(found) > 1 else {}
-    apart = not colours_tell and 1 < len(found) <= len(FILLS)
+    known = points.colours(drawn) if colours_tell and len(found) > 1 else {}
+    colours = {label: of for label, *_ in found for of in _colours_of(label, known)}
+    if len({*map(str, colours.values())}) < 2:  # dashes, say, tell the lines
+        colours = {}
+    apart = not colours and 1 < len(found) <= len(FILLS)
     fills = FILLS[: len(found)] if apart else ()
     for (label, every, is_largest), fill in zip_longest(found, fills):
         at = every[is_largest] if of_largest else every
         if not at.size:
             continue
-        own = (of for name, of in colours.items() if {*label.split(", ")} <= {*name.split(", ")})
         told = points.unlisted(label, words) if colours else words
         told = f"{words}: {label}" if fill else told
-        look = {"color": next(own, style.BLACK), "mfc": fill or CRITICAL["mfc"]}
+        look = {"color": colours.get(label, style.BLACK), "mfc": fill or CRITICAL["mfc"]}
         ax.plot(at, 0.0 * at, label=told, **CRITICAL | look)
     if colours:
         ax.plot([], [], label=words, **CRITICAL)
@@ -114,6 +116,12 @@ def mark_critical(
             f"{words} at {told}: beyond the lines, which a wider {axis.name} in their case leads on"
         )
         style.add_notes(ax.figure.figure, [note])
+
+
+def _colours_of(label: str, known: Mapping[str, ColorType]) -> list[ColorType]:
+    """The colours of the lines that have all words of a label."""
+    words = {*label.split(", ")} - {""}
+    return [of for name, of in known.items() if words and words <= {*name.split(", ")}][:1]
 
 
 def _critical_of_lines(

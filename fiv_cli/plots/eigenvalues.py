@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 PARTS = ("eigenvalue_real", "mode_frequency")
+MERGER = "#808080"  # darker than what lines of a grid and of zero are
 NUMBERS = "modes that have merged have one frequency: their numbers tell them apart by growth alone"
 MOST_NAMED = 6  # modes in a legend: of more some, for their colours are a ramp
 # Mergers are interpolated between points of the grid: places that differ by less than this share of
@@ -250,12 +251,12 @@ def _mark_mergers(ax: Axes, dataset: xr.Dataset, axis: xr.DataArray) -> None:
         dash = ":" if alike else style.dash(line, len(lines))  # as the modes of that line
         for place in places:
             label = points.unlisted("modes merge", whose)
-            ax.axvline(place, color=style.GREY, ls=dash, lw=1.0, zorder=1, label=label)
+            ax.axvline(place, color=MERGER, ls=dash, lw=1.0, zorder=1, label=label)
     merging = [whose for whose, places in told if len(places)]
     if merging:
         ls, some = ":" if alike else "-", not alike and len(merging) < len(lines)
         whose = f": {points.BOTH.join(merging)}" if some else ""
-        ax.plot([], [], color=style.GREY, ls=ls, lw=1.0, label=f"modes merge{whose}")
+        ax.plot([], [], color=MERGER, ls=ls, lw=1.0, label=f"modes merge{whose}")
 
 
 def _places(merging: xr.DataArray, x: np.ndarray) -> np.ndarray:

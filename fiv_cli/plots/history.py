@@ -58,7 +58,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     told = [*others, *motion.ends(motions), *motion.sampled(motions, names, what)]
     _legend(figure, axes, motion.states_present(motions, *every), told, contact)
     style.add_notes(figure, [*motion.without_colours(dataset, settings, every)])
-    style.add_notes(figure, [*motion.of_joint_stick(motions, names)])
+    for assumed in motion.of_joint_stick(motions, names):
+        style.tell(figure, assumed)
     return figure
 
 

@@ -83,7 +83,11 @@ def _draw(laws: Sequence[Given], names: Sequence[str], fastest: float) -> Figure
     forces = [not _scales_with_load(law) for law, _ in laws]
     ratio = "$F_T/F_N$"
     if any(forces) and not all(forces):
-        raise UsageError("a law of force and a law of a coefficient share no axis\ndraw them apart")
+        of_force = [law.name for (law, _), is_force in zip(laws, forces, strict=True) if is_force]
+        raise UsageError(
+            f"{', '.join(of_force)}: of force, and the others of a coefficient, which share no axis"
+            "\nnext: draw them apart"
+        )
     ax.set_ylabel("$F_T$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
     if held := {_held(*given) for given in laws} - {0.0}:

@@ -95,6 +95,13 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         points.scale(ax, settings)
     inexact = [word for one in lines for word in one.inexact]
     of_the_map = any(isinstance(one, _Lines) and one.of_the_map for one in lines)
+    if not flag_names(planes.array.attrs):
+        own = numbers(planes.array)
+        if rests := int((own.isnull() & _with_rests(planes, own).notnull()).sum()):
+            at_rest = (
+                f"{planes.array.name} is 0 at {rests} rest{'s' * (rests > 1)} that were filled in"
+            )
+            style.tell(figure, f"{at_rest}, as at all run")
     if not flag_names(planes.array.attrs) and not of_the_map:
         inexact += _of_filled(planes, "no value")
     otherwise = *_held_otherwise(layers[0], planes, settings), *_told_twice(planes, settings)
@@ -498,7 +505,7 @@ def _of_filled(planes: _Planes, what: str) -> Iterator[str]:
     if filled := _filled_without(planes):
         yield (
             f"{planes.array.name}: {what} at the {filled} points that were filled in, of which the "
-            "class alone is known; fiv check of the case says how to run all"
+            "class alone is known; fiv show of the dataset says how to run all"
         )
 
 

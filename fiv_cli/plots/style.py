@@ -318,6 +318,14 @@ def add_to_caption(figure: Figure, words: str) -> None:
     _CAPTIONS.setdefault(figure, []).append(words)
 
 
+def tell(figure: Figure, words: str) -> None:
+    """What readers of a figure should know: for its caption or, where it has a title, beside it."""
+    if has_titles():
+        add_notes(figure, [words])
+    else:
+        add_to_caption(figure, words)
+
+
 def caption_of(figure: Figure) -> list[str]:
     """All that was added to the caption of a figure."""
     return _CAPTIONS.get(figure, [])
