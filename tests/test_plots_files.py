@@ -92,7 +92,8 @@ def test_a_power_of_ten_that_not_all_panels_beside_a_label_have_stays_at_each():
     assert not any(ax.yaxis.get_offset_text().get_visible() for ax in alike.axes)
     curve = data.bifurcation().isel(initial=[0])
     for asked, told in (("load (normal)", "load (normal) ($10^{-4}$)"), ("a $", "a $"),
-                        ("rate (1/s)", "rate ($10^{-4}$ 1/s)")):  # fmt: skip
+                        ("rate (1/s)", "rate ($10^{-4}$ 1/s)"),
+                        ("rate (static) (1/s)", "rate (static) ($10^{-4}$ 1/s)")):  # fmt: skip
         drawn = draw(curve, figure("curve", variable="L_s", ylabel=asked))
         assert drawn.axes[0].get_ylabel() == told
 
@@ -143,7 +144,9 @@ def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp
     of_two["N"].attrs["units"] = "N"
     with style.looks(look=paper):
         for beside in (of_two.isel(N=[0]), of_two):
+            beside = beside.assign_coords(crossing=("crossing", [0]))  # as of critical values
             assert caption(drawn, [given, beside]) == told
+        assert not any("N = " in one for one in caption(drawn, [given, of_two]))  # whose lines are
         assert not any("N = " in told for told in caption(drawn, [given, of_two.isel(N=[1])]))
     save(drawn, tmp_path / "a.svg", paper)
     written = (tmp_path / "a.svg").read_text()

@@ -537,7 +537,11 @@ def test_of_a_refined_map_rests_that_were_filled_in_are_0_where_all_that_ran_are
         assert bool(told) == unknown
         notes = [note for note in style.notes_on(drawn) if "points that were filled in" in note]
         assert len(notes) == unknown
-        at_rest = [note for note in style.notes_on(drawn) if note.startswith("L_s is 0 at 1 rest")]
+        at_rest = [
+            note
+            for note in style.notes_on(drawn)
+            if note.startswith("L_s is 0 at rests that were filled in (1)")
+        ]
         assert len(at_rest) == (not unknown)
 
 

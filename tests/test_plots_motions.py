@@ -634,6 +634,8 @@ def test_forces_of_two_contacts_have_one_range_where_none_is_flat_in_it(share, r
     assert len({ax.get_ylim() for ax in drawn.axes}) == ranges  # of each contact one, at least
     notes = [note for note in style.notes_on(drawn) if "range of its own" in note]
     assert [note.startswith("F_T: each contact has") for note in notes] == [True] * (ranges - 1)
+    constant = draw(found.assign(F_T=0.0 * forces + 6.0), figure("history", variable="F_T"))
+    assert not [note for note in style.notes_on(constant) if "range of its own" in note]
 
 
 def test_motions_of_several_files_stand_side_by_side_in_a_history():

@@ -110,7 +110,7 @@ def _having(name: str) -> list[tuple[str, ...]]:
 
 
 def _show_having(name: str, having: Sequence[tuple[str, ...]], as_json: bool) -> None:
-    columns = ("of", "unit", "default", "meaning", "what that is")
+    columns = ("of", "unit", "default", "meaning", "title")
     if as_json:
         print_json({"name": name, "of": [dict(zip(columns, row, strict=True)) for row in having]})
     else:

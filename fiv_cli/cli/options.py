@@ -55,7 +55,7 @@ def flags(command: click.Command) -> list[str]:
 
 
 def _value_of(flag: str, command: click.Command) -> str:
-    """What an option of a command takes, as its help has it."""
+    """What an option of a command takes."""
     (own,) = (one for one in command.params if flag in (*one.opts, *one.secondary_opts))
     takes_none = isinstance(own, click.Option) and (own.is_flag or own.count)
     return "" if takes_none else f" {own.metavar or str(own.name).upper()}"

@@ -29,10 +29,17 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     below = str(drawn.get_label()).removeprefix(title_of(datasets[0].attrs)).splitlines()
     said = {word for line in below for word in line.split(", ")}
     names = dict.fromkeys(name for dataset in datasets for name in _given(dataset))
-    every = [_of_all([_held(dataset, name) for dataset in datasets]) for name in names]
+    swept = [
+        dataset for dataset in datasets if "crossing" not in dataset.dims
+    ]  # others lie beneath
+    every = [
+        _of_all([_held(one, name) for one in datasets], [_held(one, name) for one in swept])
+        for name in names
+    ]
     given = [word for word in every if word not in said | {""}]
-    of_each = [[*_random_starts(one), *_starts_of_a_table(one)] for one in datasets]
-    starts = of_each[0] if all(own == of_each[0] for own in of_each) else []
+    with_starts = [one for one in datasets if "initial" in one or "share" in one]
+    of_each = [[*_random_starts(one), *_starts_of_a_table(one)] for one in with_starts]
+    starts = of_each[0] if of_each and all(own == of_each[0] for own in of_each) else []
     told = [*filter(None, below), ", ".join(given), *starts, *style.caption_of(drawn)]
     words = in_one_line("; ".join(filter(None, told)))
     return [f"for the caption: {words}"] * bool(words)
@@ -55,10 +62,11 @@ def _held(dataset: xr.Dataset, name: str) -> list[str]:
     return [value_label(held, value) for value in np.ravel(held.values)]
 
 
-def _of_all(held: Sequence[Sequence[str]]) -> str:
-    """The one value that some datasets have and all others have, too, perhaps among more."""
+def _of_all(held: Sequence[Sequence[str]], swept: Sequence[Sequence[str]]) -> str:
+    """The one value of all, which datasets that are not `swept` may have among more."""
     alone = {one[0] for one in held if len(one) == 1}
-    return next(iter(alone)) if len(alone) == 1 and all(alone <= {*one} for one in held) else ""
+    is_one = len(alone) == 1 and all(alone <= {*one} for one in held)
+    return next(iter(alone)) if is_one and all(len(one) == 1 for one in swept) else ""
 
 
 def _random_starts(dataset: xr.Dataset) -> Iterator[str]:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 COARSE = 1  # places of a map on a straight piece of a line
+ROUNDING = 1e-9  # of the extent of an axis: errors that are less are those of any number
 LEFT_OPEN = "undecided_in_part"
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
@@ -60,15 +61,16 @@ class CriticalLines:
 
     @property
     def accuracy(self) -> str:
-        """How far the line may be off, as far as that is known and any."""
-        array = self.dataset[self.name]
-        plain = self.name.rpartition(":")[2]  # without the case that it is of
-        error = self.dataset.get(error_of(plain), array * np.nan).where(
-            self._is_known(self.dataset)
-        )
-        most = float(error.where(np.isfinite(error)).max())
+        """How far what lies within the map may be off, where that is known and more than
+        rounding."""
+        (along,) = (one for one in self.axes if str(one.name) == self.upright)
+        ends = points.positions(along).min(), points.positions(along).max()
+        array, error = self._of_the_border(self.dataset), self._error(self.dataset)
+        inside = np.isfinite(error) & (ends[0] <= array) & (array <= ends[1])
+        most = float(error.where(inside).max())
         unit = labels.unit_text(str(array.attrs.get("units", "1")))
-        return f"{self._words}: within {most:.2g} {unit}".rstrip() if most > 0.0 else ""
+        is_told = most > ROUNDING * np.ptp(ends)
+        return f"{self._words}: within {most:.2g} {unit}".rstrip() if is_told else ""
 
     @property
     def inexact(self) -> Iterator[str]:
@@ -207,9 +209,12 @@ class CriticalLines:
 
     def _is_known(self, dataset: xr.Dataset) -> xr.DataArray:
         """Which values are such, whatever else is open at their place."""
+        return ~_is_left_open(dataset) | np.isfinite(self._error(dataset))
+
+    def _error(self, dataset: xr.Dataset) -> xr.DataArray:
+        """How far values may be off; NaN where that is not known."""
         plain = self.name.rpartition(":")[2]  # without the case that it is of
-        error = dataset.get(error_of(plain), dataset[self.name] * np.nan)
-        return ~_is_left_open(dataset) | np.isfinite(error)
+        return dataset.get(error_of(plain), dataset[self.name] * np.nan)
 
 
 def _is_left_open(dataset: xr.Dataset) -> xr.DataArray:

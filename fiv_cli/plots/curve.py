@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
 AMPLITUDE = "_amplitude"  # how the names of such variables end
 MOST_TOLD = 2  # lines of motions that are not joined, of which it is told
+OF_A_PAIR = "eigenvalue_real", "mode_frequency"  # alike for both of a conjugate pair
 OF_TABLE = re.compile(r"(?:^| )\d{3,}$")  # how the starts of a table are called
 MARKED_WIDER = 1.3  # than marks that are seen through others are dots
 TOLD = 1e-9  # share of what a panel shows: errors that are less are those of any number
@@ -119,7 +120,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             mark_critical(ax, other, datasets, shown.axis, of_largest=GROWTH in own)
     gaps = ("undecided", *points.ENDED) if [*shown.parts] == ["attractor"] else ()
     points.dress(axes, _with_gaps(shown.along), shown.of_panels, gaps)
-    if any(curve.leaves_class for _, curve in drawn):
+    if any(curve.leaves_class for place, curve in drawn if place not in shown.bare):
         style.add_to_caption(figure, "lines break where the class of motion changes")
     style.add_notes(figure, [*dict.fromkeys(_told(shown, [curve for _, curve in drawn], dashed))])
     return figure
@@ -194,8 +195,8 @@ def _draw_panels(
 def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     """What to do about what is not drawn, or not joined."""
     yield from _of_edges(shown.parts)
-    modes = (one.dataset for own in shown.parts.values() for one in own.values())
-    if any("mode" in one[name].dims for one in modes for name in shown.parts if name in one):
+    alike = [own for name, own in shown.parts.items() if name in OF_A_PAIR]
+    if any(one.dataset.sizes.get("mode", 1) > 1 for own in alike for one in own.values()):
         yield (
             "of a conjugate pair both are drawn, as one line; --figure eigenvalues draws one of "
             "them, where modes merge and where they turn unstable"

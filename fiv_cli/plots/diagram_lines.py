@@ -107,7 +107,8 @@ def mark_critical(
         ax.plot(at, 0.0 * at, label=told, **CRITICAL | look)
     if colours:
         ax.plot([], [], label=words, **CRITICAL)
-    x = points.positions(axis)
+    own = [select.axis_of(one, str(axis.name)) for one in datasets if axis.name in one.coords]
+    x = np.concatenate([*map(points.positions, own or [axis])])
     marked = np.concatenate([at[largest] if of_largest else at for _, at, largest in found])
     beyond = np.unique(marked[(marked < x.min()) | (marked > x.max())])
     if beyond.size:
@@ -115,7 +116,7 @@ def mark_critical(
         note = (
             f"{words} at {told}: beyond the lines, which a wider {axis.name} in their case leads on"
         )
-        style.add_notes(ax.figure.figure, [note])
+        style.add_notes(ax.figure.figure, [*{note} - {*style.notes_on(ax.figure.figure)}])
 
 
 def _colours_of(label: str, known: Mapping[str, ColorType]) -> list[ColorType]:

@@ -142,7 +142,7 @@ def _with_power(ax: Axes, which: str, label: str) -> str:
     for axis in axes:
         axis.get_major_formatter().set_powerlimits((power, power))  # whatever becomes of its limits
         axis.get_offset_text().set_visible(False)
-    unit = re.search(r"\s\((?:1/)?(\S.*)\)$", label)
+    unit = re.search(r"\s\((?:1/)?(\S[^()]*)\)$", label)
     if unit and re.fullmatch(style.UNIT, f" {unit[1]}"):
         return f"{label[: unit.start()]} ($10^{{{power}}}$ {unit[0].strip()[1:]}"
     return f"{label} ($10^{{{power}}}$)"

@@ -120,11 +120,13 @@ def _share_heights(name: str, rows: Sequence[Sequence[Axes]]) -> None:
     if extents and high.max() - low.min() <= FLAT * min(extents):
         for ax in axes:
             ax.set_ylim(low.min(), high.max())
+    elif np.ptp(low) == np.ptp(high) == 0.0:
+        return
     elif len(rows) > 1:
         for row in rows:
             _share_heights(name, [row])
         _note_apart(axes[0], f"{name}: each contact has", low.min(), high.max())
-    elif np.ptp(low) > 0.0 or np.ptp(high) > 0.0:
+    else:
         _note_apart(axes[0], f"{axes[0].get_ylabel()}: each panel has", low.min(), high.max())
 
 

@@ -98,10 +98,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     if not flag_names(planes.array.attrs):
         own = numbers(planes.array)
         if rests := int((own.isnull() & _with_rests(planes, own).notnull()).sum()):
-            at_rest = (
-                f"{planes.array.name} is 0 at {rests} rest{'s' * (rests > 1)} that were filled in"
-            )
-            style.tell(figure, f"{at_rest}, as at all run")
+            at_rest = f"{planes.array.name} is 0 at rests that were filled in ({rests})"
+            style.tell(figure, f"{at_rest}, as at all that were run")
     if not flag_names(planes.array.attrs) and not of_the_map:
         inexact += _of_filled(planes, "no value")
     otherwise = *_held_otherwise(layers[0], planes, settings), *_told_twice(planes, settings)

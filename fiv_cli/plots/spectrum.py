@@ -302,9 +302,7 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     cut = _cut(highest, max(_highest(own, WORTH_DECADES) for own in spectra), decades, settings)
     style.add_notes(figure, [*moved, *cut])
     if any(len(own) > 1 and any(np.isnan(y).any() for _, y in own) for own in spectra):
-        style.add_to_caption(
-            figure, "lines of one frequency stand side by side, a line's width apart"
-        )
+        style.add_to_caption(figure, "lines of one frequency stand side by side")
     return figure
 
 

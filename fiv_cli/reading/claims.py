@@ -379,20 +379,18 @@ def _is_near(
 ) -> bool:
     """Whether shares that two of their standard errors lie beside would be told otherwise."""
     names = [f"{variable}{end}" for end in ("", "_low", "_high") if f"{variable}{end}" in part]
-    some = np.finfo(float).tiny, 1.0 - np.finfo(float).eps  # one start of a class is enough of it
     shifted = (
-        part.assign(
-            {
-                name: (part[name] + off * part[ERROR])
-                .clip(*some)
-                .where(part[ERROR] > 0, part[name])
-                for name in names
-            }
-        )
+        part.assign({name: _beside(part[name], off * part[ERROR]) for name in names})
         for off in (-ACROSS, ACROSS)
     )
     trials = (_try(claim, one, variable, stored) for one in shifted)
     return any(bool((one.hit != found.hit).any()) for one in trials)
+
+
+def _beside(share: xr.DataArray, off: xr.DataArray) -> xr.DataArray:
+    """A share so far off, neither 0 nor 1: one start of a class, and one without, are certain."""
+    within = np.finfo(float).tiny, 1.0 - np.finfo(float).eps
+    return (share + off).clip(*within).where((off != 0.0) & (share > 0.0) & (share < 1.0), share)
 
 
 def _of_filled(part: xr.Dataset, variable: str) -> str:
