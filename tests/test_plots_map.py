@@ -1497,6 +1497,12 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
     sure = draw(response, figure("map", **axes, level={"partly:critical_value": "N0"}))
     assert 40 in {len(line.get_xdata()) for line in sure.axes[0].lines}
     assert not [note for note in style.notes_on(sure) if "not at 1 of 40 places" in note]
+    for scale, told in ((1.0, False), (1e6, True)):  # what is rounding alone is not told
+        crit.assign(critical_error=scale * error).to_netcdf(f"runs/off{told}.nc")
+        wanted = figure("map", **axes, level={f"off{told}:critical_value": "N0"})
+        notes = style.notes_on(draw(response, wanted, look=look_of("paper")))
+        within = "critical value of N_0: within 0.001 at its values of Omega"
+        assert any(within in note for note in notes) == told
     rows = as_csv(drawn, Path("a.csv")).splitlines()[1:]  # though the rest of the figure is a plane
     assert any(",critical value of N_0," in row for row in rows)
     for first, count in ((0, 1), (1, 0)):  # the mode that turns unstable where all were stable

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.plots import style
+from fiv_cli.plots import branch, style
 from fiv_cli.plots.drawn import in_one_line
 from fiv_cli.plots.labels import title_of, unit_text, value_label
 from fiv_cli.reading.causes import case_of
@@ -28,10 +28,9 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
         return []
     below = str(drawn.get_label()).removeprefix(title_of(datasets[0].attrs)).splitlines()
     said = {word for line in below for word in line.split(", ")}
-    names = dict.fromkeys(name for dataset in datasets for name in _given(dataset))
-    swept = [
-        dataset for dataset in datasets if "crossing" not in dataset.dims
-    ]  # others lie beneath
+    names = [*dict.fromkeys(name for dataset in datasets for name in _given(dataset))]
+    names = [n for n in names if not any(branch.leads_along(one, n) for one in datasets)]
+    swept = [one for one in datasets if "crossing" not in one.dims]  # others mark places alone
     every = [
         _of_all([_held(one, name) for one in datasets], [_held(one, name) for one in swept])
         for name in names
@@ -46,8 +45,9 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
 
 
 def _given(dataset: xr.Dataset) -> Iterator[str]:
-    """The names of the parameters and of the law that the case of a dataset gives."""
+    """The names of the parameters and of the law that the case of a dataset gives, or varies."""
     case = case_of(dataset.attrs)
+    yield from (str(name) for name, axis in dataset.coords.items() if axis.dims == (name,))
     yield from _table(_table(case, "model"), "parameters")
     yield from _table(case, "friction")
 

@@ -70,7 +70,8 @@ class CriticalLines:
         most = float(error.where(inside).max())
         unit = labels.unit_text(str(array.attrs.get("units", "1")))
         is_told = most > ROUNDING * np.ptp(ends)
-        return f"{self._words}: within {most:.2g} {unit}".rstrip() if is_told else ""
+        within = f"{self._words}: within {most:.2g} {unit}".rstrip()
+        return f"{within} at its values of {self._along.name}" if is_told else ""
 
     @property
     def inexact(self) -> Iterator[str]:
