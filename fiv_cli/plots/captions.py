@@ -11,6 +11,7 @@ import numpy as np
 from fiv_cli.plots import branch, style
 from fiv_cli.plots.drawn import in_one_line
 from fiv_cli.plots.labels import title_of, unit_text, value_label
+from fiv_cli.reading import shares
 from fiv_cli.reading.causes import case_of
 
 if TYPE_CHECKING:
@@ -87,8 +88,7 @@ def _random_starts(dataset: xr.Dataset) -> Iterator[str]:
 
 def _starts_of_a_table(dataset: xr.Dataset) -> Iterator[str]:
     """Where each of a few starts of a table lies: their labels are but numbers."""
-    starts = case_of(dataset.attrs).get("initial", [])
-    tables = {str(start.get("label")) for start in starts if start.get("kind") == "table"}
+    tables = shares.labels_of(dataset, "table")
     labels = [str(one) for one in dataset["initial"].values.ravel()] if "initial" in dataset else []
     members = [one for one in labels if OF_TABLE.sub("", one) in tables]
     states = dataset.get("initial_state")

@@ -18,7 +18,7 @@ from matplotlib.transforms import Bbox
 
 from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import listed
-from fiv_cli.plots import crossings, labels, levels, points
+from fiv_cli.plots import crossings, labels, levels, points, style
 from fiv_cli.plots.curve_lines import PLACE
 from fiv_cli.reading.datasets import error_of, is_class
 
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 COARSE = 1  # places of a map on a straight piece of a line
-ROUNDING = 1e-9  # of the extent of an axis: errors that are less are those of any number
 LEFT_OPEN = "undecided_in_part"
 Piece = tuple[np.ndarray, np.ndarray]
 """Places of a line along both axes."""
@@ -69,7 +68,7 @@ class CriticalLines:
         inside = np.isfinite(error) & (ends[0] <= array) & (array <= ends[1])
         most = float(error.where(inside).max())
         unit = labels.unit_text(str(array.attrs.get("units", "1")))
-        is_told = most > ROUNDING * np.ptp(ends)
+        is_told = most > style.ROUNDING * np.ptp(ends)
         within = f"{self._words}: within {most:.2g} {unit}".rstrip()
         return f"{within} at its values of {self._along.name}" if is_told else ""
 
