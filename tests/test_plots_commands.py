@@ -273,6 +273,22 @@ def test_no_file_of_several_is_left_out_without_a_word(stored):
     assert not (stored / "bifurcation-curve.png").stat().st_size < 1000
 
 
+def test_what_may_lie_over_a_figure_of_another_file_is_told_with_what_to_type(stored):
+    critical = xr.Dataset(
+        {
+            "status": data.statuses((), np.array("ok")),
+            "critical_value": ("crossing", [0.3], {"long_name": "critical value of mu_k"}),
+        },
+        attrs=data.attributes(),
+    )
+    critical.to_netcdf(stored / "critical.nc")
+    told = "eigenvalues.nc: critical.nc lies over it with --figure eigenvalues\n"
+    assert told in run(plot_command, "eigenvalues.nc", "critical.nc").stderr
+    asked = ["--figure", "eigenvalues"]
+    assert told not in run(plot_command, "eigenvalues.nc", "critical.nc", *asked).stderr
+    assert "lies over" not in run(plot_command, "eigenvalues.nc", "bifurcation.nc").stderr
+
+
 def test_of_several_files_no_branch_that_a_diagram_takes_is_blamed_for_another(stored):
     branch_along_the_speed().to_netcdf(stored / "branch.nc")
     data.bifurcation()[["status", "L_s"]].to_netcdf(stored / "apart.nc")

@@ -2,7 +2,7 @@
 
 import csv
 import json
-from itertools import product
+from itertools import permutations, product
 from pathlib import Path
 
 import matplotlib as mpl
@@ -18,6 +18,7 @@ from plotted import (
     AT_A_JUMP,
     REST_ABOVE,
     UNDECIDED_ABOVE,
+    branch_along_the_speed,
     crossing_lines,
     figure,
     legend_texts,
@@ -26,7 +27,7 @@ from plotted import (
 
 from fiv_cli import api
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import draw, look_of, points, save, style
+from fiv_cli.plots import draw, legends, look_of, points, save, style
 from fiv_cli.plots.curve_lines import Curve
 from fiv_cli.plots.curve_panel import _hidden, _plot
 from fiv_cli.plots.drawn import as_csv, in_one_line
@@ -317,6 +318,50 @@ def test_critical_values_lie_where_amplitudes_begin():
     critical["critical_value"].attrs["long_name"] = "critical value of N0"
     with pytest.raises(UsageError, match="no phi_amplitude"):
         draw([("a", found), ("b", critical)], wanted)
+
+
+def test_a_long_entry_of_a_legend_is_folded_where_others_stand_beside_it_then():
+    """Ten entries stood one below another, taking a third of the figure."""
+    short, long = [f"$c_1$ = 0.{n} N s/m" for n in range(9)], "modes merge: " + "$c_1$ = 0, " * 9
+    found = Figure(figsize=(6.4, 4.0), layout="constrained")
+    keys = [found.add_subplot().plot([], [], label=text)[0] for text in (*short, long)]
+    legends.legend_below(found, keys)
+    (legend,) = found.legends
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert texts[:9] == short and "\n" in texts[9] and texts[9].split() == long.split()
+    assert legend._ncols > 1 and legend.get_window_extent().width <= found.bbox.width
+    alone = Figure(figsize=(6.4, 4.0), layout="constrained")
+    legends.legend_below(alone, [alone.add_subplot().plot([], [], label=long[:60])[0]])
+    assert "\n" not in alone.legends[0].get_texts()[0].get_text()
+
+
+def test_branches_and_critical_values_lie_over_amplitudes_whichever_file_comes_first():
+    """By another order it was a figure along the other axis, or refused without a file's name."""
+    speeds = np.linspace(1.0, 4.0, 7)
+    found = data.response(
+        np.full((7, 1, 1), "periodic", dtype=object),
+        np.ones((7, 1, 1)),
+        data.axes(Omega=speeds, N0=[30.0], initial=["near"]),
+    )
+    rising = speeds[:, None, None]
+    found["phi_amplitude"] = (("Omega", "N0", "initial"), rising, {"units": "rad"})
+    told = {"long_name": "critical value of Omega", "units": "rad s-1"}
+    critical = xr.Dataset(
+        {
+            "status": data.statuses((), np.array("ok")),
+            "critical_value": ("crossing", [3.1], told),
+        },
+        attrs=data.attributes(),
+    )
+    branch = branch_along_the_speed()
+    branch["phi_amplitude"] = (("N0", "initial"), [[1.5]], {"units": "rad"})
+    files = [("a", found), ("b", branch), ("c", critical)]
+    drawn = []
+    for order in permutations(files):
+        (ax,) = draw([*order], figure("curve", variable="phi_amplitude")).axes
+        drawn.append((ax.get_xlabel(), {str(line.get_xydata()) for line in ax.lines}))
+        assert marks(ax, "critical value of $\\Omega$").tolist() == [[3.1, 0.0]]
+    assert all(one == drawn[0] for one in drawn) and "Omega" in drawn[0][0]
 
 
 def test_a_line_that_two_with_other_dashes_run_upon_is_wider_and_seen():
@@ -671,6 +716,7 @@ def test_a_curve_of_crossings_has_a_line_for_each_sort():
     assert legend_texts(ax) == [
         "critical value of $A_{b}$",
         "$\\Omega$ at which the answer changes",
+        "error bound",
     ]
     assert {line.get_marker() for line in ax.lines if len(line.get_xdata())} == {"o", "_"}  # caps
 
@@ -858,6 +904,7 @@ def test_a_curve_of_boundaries_says_what_lies_below_and_above_and_how_well_it_is
         REST_ABOVE,
         UNDECIDED_ABOVE,
         "error not known",
+        "error bound",
     ]
     np.testing.assert_array_equal(marks(ax, REST_ABOVE), [[20, 4], [30, 7]])
     (bars,) = (bars.get_segments() for bars in ax.collections)

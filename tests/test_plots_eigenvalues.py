@@ -297,6 +297,12 @@ def test_critical_values_of_another_file_lie_where_growth_is_zero():
     found = [line for line in drawn.axes[0].lines if words in str(line.get_label())]
     places = [place for line in found for place in line.get_xydata().tolist()]
     assert places == [[0.5, 0.0], [0.6, 0.0], [0.7, 0.0]]
+    critical["critical_value"] = critical["critical_value"].copy(
+        data=[[0.6, np.nan], [0.6001, np.nan], [0.9, np.nan]]
+    )
+    drawn = draw([("", lines), ("critical", critical)], figure("eigenvalues"))
+    beneath, upon = (line for line in drawn.axes[0].lines if words in str(line.get_label()))
+    assert beneath.get_markersize() > 1.5 * upon.get_markersize()  # and is seen around it
     with pytest.raises(UsageError, match="no critical value of mu_k at parameters of this"):
         other = critical.isel(k=[2])
         draw([("", lines), ("critical", other)], figure("eigenvalues"))

@@ -1540,6 +1540,39 @@ def test_a_map_has_the_line_where_an_axis_has_the_value_that_another_case_found(
         draw(response, figure("map", level={"crit:critical_value": "Omega"}))
 
 
+def test_a_map_that_is_taken_over_starts_has_a_line_of_each(tmp_path, monkeypatch):
+    """That a border is known for two starts was a reason to refuse it, or to leave out one."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    speeds, starts = np.linspace(0.0, 12.0, 9), ["reached", "exists"]
+    values = np.stack([4.0 * speeds, 40.0 - speeds], axis=1)
+    told = {"long_name": "N0 at the border of periodic"}
+    border = xr.Dataset(
+        {
+            "boundary": (("Omega", "initial"), values, told),
+            "status": data.statuses(("Omega", "initial"), np.full(values.shape, "ok")),
+        },
+        coords={"Omega": ("Omega", speeds, {"units": "rad s-1"}), "initial": starts},
+        attrs=with_growth()["response"].attrs,
+    )
+    border.to_netcdf("runs/border.nc")
+    taken = {"what": "classes", "over": ["initial"]}
+    asked = {"variable": "attractor", "level": {"border:boundary": "N0"}}
+    drawn = draw(with_growth(), figure("map", take=taken, **asked))
+    words = [
+        "$N_{0}$ at the border of periodic, reached",
+        "$N_{0}$ at the border of periodic, exists",
+    ]
+    assert [text for text in legend_texts(drawn) if "border" in text] == words
+    lines = {str(one.get_label()): one for one in drawn.axes[0].lines if len(one.get_xdata()) == 9}
+    for word, value in zip(words, values.T, strict=True):
+        assert lines[f"_{word}"].get_ydata() == pytest.approx(value)
+    assert len({one.get_linestyle() for one in lines.values()}) == 2
+    (ax, *_) = draw(with_growth(), figure("map", **asked)).axes  # of the one start that it has
+    (line,) = (one for one in ax.lines if len(one.get_xdata()) == 9)
+    assert line.get_ydata() == pytest.approx(values[:, 0])
+
+
 def test_what_is_taken_has_lines_of_what_it_is_not_taken_of():
     take = {"what": "share", "of": "periodic", "over": ["initial"]}
     wanted = figure("map", variable="attractor", take=take, level={"share": 0.5, "growth_rate": 0})

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from fiv_cli.case.case import FigureSpec
     from fiv_cli.plots import Look
 
-    Sources = list[tuple[Path, dict[str, xr.Dataset]]]
+    Source = tuple[Path, dict[str, xr.Dataset]]
+    Sources = list[Source]
 
 
 LINES_ALONE = (
@@ -390,8 +391,10 @@ def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources,
             if len(sources) == 1:
                 yield default, sources, figure
             elif not KINDS[figure.kind].overlays:
-                takes_more = name is not None and KINDS[figure.kind].completed
-                over = _over(sources, figure) if takes_more else []
+                over = _over(sources, figure) if KINDS[figure.kind].completed else []
+                if name is None:  # each file has its own figures
+                    _tell_of_what_may_lie_over(sources[place], over, figure)
+                    over = []
                 if (file, source) not in over:
                     yield default, [_labelled(sources, place, over), *over], figure
             elif not before & {figure.name, figure.kind}:
@@ -400,10 +403,16 @@ def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources,
 
 
 def _has_figure(source: dict[str, xr.Dataset], name: str | None) -> bool:
-    """Whether the case of a dataset has a figure of this name."""
+    """Whether the case of a dataset has a figure of this name, or it is drawn so unasked; of those
+    that show all files, which are as a case asks wherever it stands among them, only the former."""
     from fiv_cli.plots import figures_of
+    from fiv_cli.plots.drawing import KINDS
+    from fiv_cli.reading.datasets import figures_in
 
-    return any(figure.name == name for figure in figures_of(source))
+    figures = figures_in(source)
+    if name not in KINDS or not KINDS[name].overlays:
+        figures = figures_of(source)
+    return any(figure.name == name for figure in figures)
 
 
 def _over(sources: Sources, figure: FigureSpec) -> Sources:
@@ -412,6 +421,16 @@ def _over(sources: Sources, figure: FigureSpec) -> Sources:
 
     over = [one for one in sources if not can_draw(one[1], figure)]
     return over if len(over) < len(sources) else []
+
+
+def _tell_of_what_may_lie_over(one: Source, others: Sources, figure: FigureSpec) -> None:
+    """Name the files that a figure of another takes in where it is asked for."""
+    from fiv_cli.plots import Look
+
+    taken = [other for other in others if _failure(_named([one, other]), figure, Look()) is None]
+    for file, _ in taken:
+        told = f"{file} lies over it with --figure {figure.name}"
+        click.echo(f"figure {figure.name} of {one[0]}: {told}", err=True)
 
 
 def _labelled(sources: Sources, place: int, over: Sources) -> tuple[Path, dict[str, xr.Dataset]]:

@@ -33,7 +33,7 @@ DASHES = {"stable": "-", "unstable": "--", "neutral": "-."}
 UNMARKED = ("closed", "not_computed")  # where a closed branch began says nothing of it
 MARKS = {
     "fold": "o",
-    "flip": "s",
+    "flip": "p",
     "torus": "D",
     "branching": "^",
     "grazing": "X",

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, combinations, product
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -104,7 +105,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
     No line leads through these, nor from a point of one class to a neighbour of another.
     """
-    layers, critical = _without_critical(layers, settings)
+    layers, critical = _without_critical(_laid_over(layers), settings)
     shown = _shown(layers, settings)
     drawn = each_once([*_lines(shown)])
     points.refuse_empty(layers[0].dataset, any(one.is_known for _, one in drawn), shown.first)
@@ -116,7 +117,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     for (ax, own), other in product(zip(axes, shown.panels, strict=True), critical):
         having = shown.parts[GROWTH].values() if GROWTH in own else layers
         if any(map(_is_zero_at_turns, own)):
-            datasets = [one.dataset for one in having]
+            datasets = [one.dataset for one in _swept_along(shown.axis, having)]
             mark_critical(ax, other, datasets, shown.axis, of_largest=GROWTH in own)
     gaps = ("undecided", *points.ENDED) if [*shown.parts] == ["attractor"] else ()
     points.dress(axes, _with_gaps(shown.along), shown.of_panels, gaps)
@@ -124,6 +125,24 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         style.add_to_caption(figure, "lines break where the class of motion changes")
     style.add_notes(figure, [*dict.fromkeys(_told(shown, [curve for _, curve in drawn], dashed))])
     return figure
+
+
+def _swept_along(axis: xr.DataArray, layers: Iterable[points.Layer]) -> list[points.Layer]:
+    """The layers whose grid has an axis; of a branch along it that is none."""
+    return [one for one in layers if select.has_axis(one.dataset, axis.name)]
+
+
+def _laid_over(layers: Sequence[points.Layer]) -> list[points.Layer]:
+    """Branches and critical values after what they may lie over, whose axis, variables and title
+    are those of the figure; unless no other file has anything of the kind."""
+    laid = [branch.suits(one.dataset) or "critical_value" in one.dataset for one in layers]
+    shows = any(
+        any(map(_is_zero_at_turns, map(str, one.dataset))) and points.varying_axes(one.dataset)
+        for one, is_laid in zip(layers, laid, strict=True)
+        if not is_laid
+    )
+    pairs = zip(laid, layers, strict=True)
+    return [one for _, one in sorted(pairs, key=itemgetter(0))] if shows else [*layers]
 
 
 def _without_critical(
@@ -231,7 +250,7 @@ def _of_undecided(
 
 def _alone_unnamed(layers: Sequence[points.Layer], axis: xr.DataArray) -> list[points.Layer]:
     """Without the name of the only file over which the branches of others lie, if none is given."""
-    swept = [one for one in layers if select.has_axis(one.dataset, axis.name)]
+    swept = _swept_along(axis, layers)
     over = [one for one in layers if branch.suits(one.dataset)]
     bare = len(swept) == 1 and len(swept) + len(over) == len(layers) > 1
     return [
@@ -286,9 +305,8 @@ def _of_each(layers: Sequence[points.Layer], names: Sequence[str], axis: xr.Data
     """The variables and, of each file along the axis that has none of them, its own number."""
     own = [
         next((n for n in _headlines(one.dataset) if not flag_names(one.dataset[n].attrs)), "")
-        for one in layers
-        if select.has_axis(one.dataset, axis.name)
-        and not any(name in part for part in (one.dataset, *one.beside) for name in names)
+        for one in _swept_along(axis, layers)
+        if not any(name in part for part in (one.dataset, *one.beside) for name in names)
     ]
     return [*dict.fromkeys([*names, *filter(None, own)])]
 

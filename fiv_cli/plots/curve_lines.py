@@ -447,10 +447,10 @@ def _standard_error(name: str) -> str:
 
 
 def told_by_bars(dataset: xr.Dataset, name: str) -> str:
-    """What the error bars of a variable tell if they are of a sample."""
+    """What the error bars of a variable tell."""
     error = dataset.get(_standard_error(name))
     if error is None or not bool(error.notnull().any()):
-        return ""
+        return "error bound" * (error_of(name) in dataset)
     certain = "starts" in error.attrs and bool((sampling_error(dataset) > error).any())
     return "standard error" + f"; at 0 and 1: {1.0 - SURE:.0%} bound" * certain
 

@@ -42,6 +42,8 @@ CRITICAL: dict[str, Any] = {
     "zorder": 5,
 }  # fmt: skip
 FILLS = ("white", style.BLACK, style.GREY)  # of critical values of lines that share their colours
+# How much larger marks are beneath others so near, in points, and how near, of the whole axis.
+LARGER, UPON = 3.0, 0.012
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 
 
@@ -97,19 +99,22 @@ def mark_critical(
         colours = {}
     apart = not colours and 1 < len(found) <= len(FILLS)
     fills = FILLS[: len(found)] if apart else ()
-    for (label, every, is_largest), fill in zip_longest(found, fills):
-        at = every[is_largest] if of_largest else every
+    own = [select.axis_of(one, str(axis.name)) for one in datasets if axis.name in one.coords]
+    x = np.concatenate([*map(points.positions, own or [axis])])
+    places = [every[is_largest] if of_largest else every for _, every, is_largest in found]
+    for number, ((label, *_), fill) in enumerate(zip_longest(found, fills)):
+        at = places[number]
         if not at.size:
             continue
         told = points.unlisted(label, words) if colours else words
         told = f"{words}: {label}" if fill else told
         look = {"color": colours.get(label, style.BLACK), "mfc": fill or CRITICAL["mfc"]}
+        upon = [_is_near(at, later, UPON * np.ptp(x)) for later in places[number + 1 :]]
+        look["ms"] = CRITICAL["ms"] + LARGER * sum(upon)
         ax.plot(at, 0.0 * at, label=told, **CRITICAL | look)
     if colours:
         ax.plot([], [], label=words, **CRITICAL)
-    own = [select.axis_of(one, str(axis.name)) for one in datasets if axis.name in one.coords]
-    x = np.concatenate([*map(points.positions, own or [axis])])
-    marked = np.concatenate([at[largest] if of_largest else at for _, at, largest in found])
+    marked = np.concatenate(places)
     beyond = np.unique(marked[(marked < x.min()) | (marked > x.max())])
     if beyond.size:
         told = listed([labels.number_text(value, beyond.tolist()) for value in beyond])
@@ -117,6 +122,11 @@ def mark_critical(
             f"{words} at {told}: beyond the lines, which a wider {axis.name} in their case leads on"
         )
         style.add_notes(ax.figure.figure, [*{note} - {*style.notes_on(ax.figure.figure)}])
+
+
+def _is_near(places: np.ndarray, others: np.ndarray, distance: float) -> bool:
+    """Whether some of them lie next to one another."""
+    return bool((np.abs(places[:, None] - others) < distance).any())
 
 
 def _colours_of(label: str, known: Mapping[str, ColorType]) -> list[ColorType]:

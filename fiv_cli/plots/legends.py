@@ -30,16 +30,20 @@ SIDES: dict[Any, Any] = {
     "center": "C",
 }  # fmt: skip
 NARROWER = 1.2  # letters of legends stand where one of a title does
+# Of the width of a figure: longer entries leave no room for another column, and are folded.
+FOLDED = (1.0, 0.65, 0.5)
 KEY_LETTERS = 7  # that the key of an entry of a legend takes
 
 
 def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """A legend under the panels, in as many columns as there is room for."""
-    most = style.letters(figure) - KEY_LETTERS
-    words = [style.folded(style.worded(str(one.get_label())), most) for one in handles]
+    most, room = style.letters(figure) - KEY_LETTERS, int(NARROWER * style.letters(figure))
     heading = style.folded(style.worded(title), most)
-    columns = columns_of(words, int(NARROWER * style.letters(figure)))
-    while words:
+    whole = [style.worded(str(one.get_label())) for one in handles]
+    folded = [[style.folded(one, int(part * most)) for one in whole] for part in FOLDED]
+    tried = [(w, n) for w in folded for n in range(columns_of(w, room), 0, -1)]
+    tried.sort(key=lambda one: _rows(*one))
+    for words, columns in tried if handles else ():
         legend = figure.legend(
             handles, words, loc="outside lower center", ncols=columns, title=heading or None
         )
@@ -48,9 +52,13 @@ def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> 
         if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
             break
         legend.remove()
-        columns = even_columns(len(words), columns - 1)
+    style.make_room(figure, len(heading.splitlines()) + (_rows(words, columns) if handles else 0))
+
+
+def _rows(words: Sequence[str], columns: int) -> int:
+    """The lines of the longest column of a legend."""
     rows = [sum(1 + word.count("\n") for word in part) for part in _parted(words, columns)]
-    style.make_room(figure, len(heading.splitlines()) + max(rows, default=0))
+    return max(rows, default=0)
 
 
 def columns_of(words: Sequence[str], room: int) -> int:

@@ -52,6 +52,7 @@ RIM = 0.5  # pt: of points that lines would cover
 FEW, UNEVEN = 8, 1.5
 FINE = 40  # points along an axis, of which more have cells as narrow as a line
 MOST_COUNTS = 12  # that have a shade each
+MOST_STARTS = 3  # of which each has lines of its own over a map that is taken over them
 MIDDLE = "undecided points: middle of least and greatest"
 # Whether there is less, and more, than a colour bar holds -> how that is shown.
 EXTENDED = {(False, False): "neither", (True, False): "min", (False, True): "max",
@@ -337,9 +338,10 @@ def _lines(
     # lines of one colour have each a style of its own, the least dashed of critical ones
     styles = {is_own: iter(levels.STYLES) for is_own in (True, False)}
     found: list[_Lines | CriticalLines] = [
-        _critical(_holding(layer, name), planes, name, own, next(styles[False]))
+        _critical(one, planes, name, own, next(styles[False]))
         for name, own in wanted.items()
         if isinstance(own, str)
+        for one in _of_each_start(_holding(layer, name), planes, name)
     ]
     for name, own in wanted.items():
         is_own = name == planes.array.name
@@ -356,6 +358,19 @@ def _lines(
             dashes = _dashes(own, styles[is_own])
             found.append(_Lines(over, own, dashes, is_own, numbered, border))
     return found
+
+
+def _of_each_start(dataset: xr.Dataset, planes: _Planes, name: str) -> list[xr.Dataset]:
+    """What lines of a variable are drawn of over a map that is taken over starts: of each of few
+    its own, which is called by it."""
+    count = dataset[name].sizes.get("initial", 1)
+    if "initial" in planes.array.dims or not 1 < count <= MOST_STARTS:
+        return [dataset]
+    own = [dataset.isel(initial=[place]) for place in range(count)]
+    for one in own:
+        words = (str(one[name].attrs["long_name"]), str(one["initial"].item()))
+        one[name].attrs["long_name"] = ", ".join(words)
+    return own
 
 
 def _held_otherwise(
