@@ -270,7 +270,6 @@ REDUCED = [
     ("ch5/fig_5_09a", (), (0,), ()),
     ("ch5/fig_5_09b", (), (0,), ()),
     ("ch5/fig_5_11a", ("grid.R=[22.0]",), range(3), ()),
-    ("ch5/fig_5_12a", ("grid.Omega=[5.25, 20.25]",), (0, 1), ()),
     ("ch5/fig_5_12b", ("grid.Omega=[5.25, 10.25]",), (0, 1), ()),
     ("ch5/fig_5_12c", ("grid.Omega=[5.25, 10.25]",), (1,), ()),
     ("ch6/fig_6_28", ("grid.k_nl=[1e8]", "grid.mu_k=[0.4]"), (3,), ()),
@@ -283,6 +282,7 @@ LONG = [
     ("ch6/fig_6_34", ("grid.mu_k=[0.3]",), (1,), ()),
     ("ch5/fig_5_08a", ("grid.F=[100.0, 1000.0]",), (0, 2, 3), (1, 4)),
     ("ch5/fig_5_11b", ("grid.R=[22.0]",), range(3), ()),
+    ("ch5/fig_5_12a", ("grid.Omega=[5.25, 20.25]",), (0, 1), ()),
     (
         "ch6/fig_6_24",
         ("grid.mu_k=[0.3]", "analysis.history.t_end=0.1", "analysis.response.t_max=20.0"),

@@ -13,7 +13,7 @@ from small_cases import FAR
 
 from fiv_cli.data.hdf5 import read_attributes
 
-CASE = FAR.format(v=20, N=50, transient=6e3, t_max=12e3)
+CASE = FAR.format(v=20, N=50, transient=3e3, t_max=6e3)
 
 PATIENCE = 60.0
 COMMAND = ("run", "case.toml", "-o", "a.nc", "--time-limit", "600")  # starts workers at once

@@ -23,7 +23,7 @@ from fiv_cli.data.hdf5 import read_attributes
 SEED = 20
 STATUS = ("status", "case.toml", "-o", "a.nc")
 WORKERS = ("--time-limit", "600")  # starts workers at once
-POINTS = FAR.format(v=10, N=120, transient=1000.0, t_max=2000.0)
+POINTS = FAR.format(v=10, N=80, transient=1000.0, t_max=2000.0)
 
 
 def grouped(count: int) -> str:
@@ -167,7 +167,7 @@ def test_what_is_ignored_on_entry_stays_ignored_without_any_other_program(
 
 
 def test_how_fast_it_goes_is_told_elsewhere_while_it_runs_and_afterwards(tmp_path: Path) -> None:
-    text = POINTS.replace("num = 120", "num = 12000")
+    text = POINTS.replace("num = 80", "num = 12000")
     with run(tmp_path, text, *WORKERS) as watched:
         wait_for(lambda: len(list(tmp_path.glob("a.run/shards/*.h5"))) > 4, "no progress")
         live, shown = (other(tmp_path, *w) for w in (STATUS, ("show", "a.nc")))

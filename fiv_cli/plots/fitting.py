@@ -82,7 +82,7 @@ def _set_words(
     """Fit title and labels of each panel; how many lines they have more, of `added` before, and
     whether panels lie as they did with these, but for what other ticks need."""
     for _ in range(min(2, len(words))):  # what is folded upright takes room from what is not
-        figure.draw_without_rendering()  # panels have their places then
+        style.lay_out(figure)  # panels have their places then
         told = _texts(figure), added
         lines = [_fit(ax, *own) for ax, own in zip(style.own_axes(figure), words, strict=True)]
         added = max(lines)

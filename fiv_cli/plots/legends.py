@@ -157,7 +157,7 @@ def clear_legends(figure: Figure, is_drawn: bool) -> bool:
     """
     legends = [(ax, own) for ax in figure.axes if (own := ax.get_legend())]
     if legends and not is_drawn:
-        figure.draw_without_rendering()  # panels and legends have their sizes then
+        style.lay_out(figure)  # panels and legends have their sizes then
     hiding = [own for ax, own in legends if not _find_place(ax, own)]
     for own in hiding:
         own.remove()

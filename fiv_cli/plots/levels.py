@@ -628,7 +628,7 @@ def overlay(
     both = _both([ends for panel in panels for ends in panel])
     heading = f"{level_notes.words(array, levels[0], levels)}{both}" if told and single else ""
     legends.legend_below(figure, [*told, *([] if told and single else of_all)], heading)
-    figure.draw_without_rendering()  # levels are written along lines as they look
+    style.lay_out(figure)  # levels are written along lines as they look
     written: set[float] = set()
     for (label, panel), colour, dash in zip(planes, colours, dashes, strict=True):
         look: dict[str, Any] = {"label": label, "named": not single}

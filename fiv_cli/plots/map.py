@@ -138,7 +138,7 @@ def _draw_lines(
     """Draw the lines on every panel; what to do about levels that are not written on theirs."""
     of_classes = bool(flag_names(planes.array.attrs))
     if lines:  # levels are written along lines as they look
-        figure.draw_without_rendering()
+        style.lay_out(figure)
     unwritten: dict[str, None] = {}
     for ax, panel in zip(axes, planes.panels, strict=False):
         for line in sorted(lines, key=_is_written_on):

@@ -185,7 +185,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
 
 def _make_room_for(ax: Axes, written: Annotation) -> None:
     """Let the ordinate reach over words that stand at a point of a line."""
-    ax.figure.figure.draw_without_rendering()  # panels and words have their sizes then
+    style.lay_out(ax.figure.figure)  # panels and words have their sizes then
     foot, top = ax.bbox.y0, ax.bbox.y1
     point = ax.transData.transform(written.xy)[1]
     higher = (point - foot) / (top - foot - (written.get_window_extent().y1 - point))

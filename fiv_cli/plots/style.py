@@ -385,6 +385,15 @@ def longest(words: Sequence[str]) -> int:
     )
 
 
+def lay_out(figure: Figure) -> None:
+    """Give panels, ticks and words their places, as drawing does, which takes longer."""
+    engine = figure.get_layout_engine()
+    if engine is None:
+        figure.draw_without_rendering()
+    else:
+        engine.execute(figure)
+
+
 def make_room(figure: Figure, lines: int) -> None:
     """Make a small figure higher by the lines of a legend: its panels have nothing to spare."""
     look = _LOOK.get()
