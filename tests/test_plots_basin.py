@@ -22,7 +22,7 @@ from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import COMPUTED
-from fiv_cli.plots import default_figures, draw, look_of
+from fiv_cli.plots import default_figures, draw, look_of, style
 from fiv_cli.plots.curve_lines import _narrowed
 from fiv_cli.plots.drawn import as_csv
 from fiv_cli.plots.style import class_colours
@@ -347,6 +347,20 @@ def test_shares_of_a_basin_have_the_standard_error_of_a_random_sample():
     assert legend_texts(draw(data.basin(speeds=(9.0,)), figure("basin"))) == [
         "equilibrium (all 200)"
     ]
+
+
+def test_a_share_that_leaps_is_not_drawn_as_a_decline():
+    """Where the attractor ends; what falls from point to point is one line."""
+    count, speeds = 40, np.linspace(1.0, 2.0, 9)
+    starts = [f"any-{n:03d}" for n in range(count)]
+    take = {"what": "share", "of": "periodic", "over": ["initial"]}
+    for kept, leaps in ((np.r_[[36] * 5, [0] * 4], True), (np.arange(36, 0, -4), False)):
+        classes = np.where(np.arange(count) < kept[:, None], "periodic", "equilibrium")
+        axes = data.axes(v=speeds, initial=starts)
+        found = data.response(classes.astype(object), np.ones(classes.shape), axes)
+        found = found.assign_attrs(starts_json='{"any": "random"}')
+        told = style.notes_on(draw(found, figure("curve", variable="attractor", take=take)))
+        assert any("not joined" in one for one in told) == leaps
 
 
 def test_shares_of_a_lattice_of_starts_have_no_standard_error():

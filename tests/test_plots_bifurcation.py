@@ -11,6 +11,7 @@ import pytest
 import synthetic_datasets as data
 import xarray as xr
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from plotted import (
     branch_along_the_speed,
@@ -172,6 +173,30 @@ def test_marks_of_gaps_that_look_alike_are_one_row():
         assert [(whose, x.tolist()) for whose, x in looks] == told
     alone = points._by_look({("pending", "a, up"): np.r_[1.0]}, {})
     assert [whose for whose, _ in alone.values()] == ["a, up"]
+
+
+def test_marks_of_gaps_leave_free_what_is_known_between_them():
+    """They ran on over blocks of a partial run that were done, which were narrower than a mark."""
+    ax = Figure(figsize=(6.4, 4.0)).add_subplot(xlim=(0.0, 1000.0))
+    known = np.r_[400.0:410.0, 700.0:712.0]
+    pending = np.setdiff1d(np.arange(1000.0), known)
+    marked = pending[points._apart(ax, pending, known)]
+    half = 0.5 * points.GAP_MARK * ax.figure.dpi / style.POINTS / (ax.bbox.width / 1000.0)
+    assert np.abs(marked[:, None] - known).min() >= half
+    assert np.diff(marked).max() < 2.0 * (half + 12.0)  # and all else is marked throughout
+    lone = np.array([3.0, 500.0, 501.0])  # too short to keep away from what is beside them
+    assert points._apart(ax, lone, np.setdiff1d(np.arange(1000.0), lone)) == [0, 1, 2]
+
+
+def test_points_at_rest_of_one_start_are_squares_alone_and_a_partial_run_says_so():
+    """A dot on each made a band of many, of which the legend told nothing."""
+    found = resting().isel(initial=[0])
+    for dataset, has_others in ((found, False), (resting(), True)):
+        (ax,) = draw(dataset, figure("bifurcation")).axes
+        shown = [line for line in ax.lines if len(line.get_xdata()) and line.get_zorder() == 4.1]
+        assert bool({line.get_marker() for line in shown} - {"s"}) == has_others
+    partial = found.assign_attrs(partial="30 of 46 points")
+    assert "partial: 30 of 46 points" in draw(partial, figure("bifurcation")).get_suptitle()
 
 
 def test_marks_of_gaps_stand_within_the_frame():

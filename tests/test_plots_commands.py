@@ -596,7 +596,8 @@ def test_a_mark_of_one_gap_alone_is_drawn():
         line for line in ax.lines if line.get_label() == "undecided" and len(line.get_xdata())
     ]
     marked = gap.get_xdata()[gap.get_markevery()]
-    assert 20 < len(marked) < 50 and {200.0, 249.0, 298.0, 299.0, 350.0, 399.0} <= {*marked}
+    assert 20 < len(marked) < 50 and {298.0, 299.0, 399.0} <= {*marked}
+    assert 200.0 < marked.min() < 207.0  # half a mark off what is known
 
 
 def test_a_map_of_one_of_several_crossings_is_the_one_that_the_case_asks_for():

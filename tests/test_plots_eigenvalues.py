@@ -303,9 +303,32 @@ def test_critical_values_of_another_file_lie_where_growth_is_zero():
     drawn = draw([("", lines), ("critical", critical)], figure("eigenvalues"))
     beneath, upon = (line for line in drawn.axes[0].lines if words in str(line.get_label()))
     assert beneath.get_markersize() > 1.5 * upon.get_markersize()  # and is seen around it
+    kinds = [["root", "not_computed"], ["end", "not_computed"], ["root", "not_computed"]]
+    critical["crossing_kind"] = data.flags(
+        ("k", "crossing"), kinds, ("not_computed", "root", "end")
+    )
+    drawn = draw([("", lines), ("critical", critical)], figure("eigenvalues"))
+    found = [line for line in drawn.axes[0].lines if words in str(line.get_label())]
+    places = [line.get_xdata().tolist() for line in found if len(line.get_xdata())]
+    assert places == [[0.6]]  # where an equilibrium ends no growth is zero
     with pytest.raises(UsageError, match="no critical value of mu_k at parameters of this"):
         other = critical.isel(k=[2])
         draw([("", lines), ("critical", other)], figure("eigenvalues"))
+
+
+def test_that_modes_grow_alike_is_told_of_the_one_that_grows_most():
+    """Below flutter without damping it is one of two, and the figure drew it as a finding."""
+    found = data.eigenvalues()
+    found["growth_frequency"] = abs(found["eigenvalue_imag"]).isel(mode=0, drop=True)
+    told = style.notes_on(draw(found, figure("curve", variable="growth_frequency")))
+    alike = [note for note in told if "modes of other frequencies grow as much" in note]
+    real, turning = found["eigenvalue_real"], abs(found["eigenvalue_imag"])
+    most = turning.where(real == real.max("mode"))
+    count = int((most.max("mode") - most.min("mode") > 1e-6).sum())
+    assert count > 0 and f"at {count} points" in alike[0]
+    apart = found.assign(eigenvalue_real=real + 0.1 * found["mode"])
+    told = style.notes_on(draw(apart, figure("curve", variable="growth_frequency")))
+    assert not [note for note in told if "grow as much" in note]
 
 
 def test_a_mode_can_be_selected_by_its_number():

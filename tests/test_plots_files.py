@@ -47,6 +47,14 @@ def test_a_caption_has_the_law_and_the_few_starts_of_a_table_and_all_that_advanc
         "mine 001: phi = 0.25 rad, phi_dot = 0 rad/s; "
         "lines break where the class of motion changes"
     )
+    chosen = {"geometry": "linear", "impact": "plastic", "states": "all"}
+    found = found.assign_attrs(
+        case='[model.options]\ngeometry = "linear"\n', options_json=json.dumps(chosen)
+    )
+    for share, words in ((0.0, "geometry: linear; "), (0.3, "geometry: linear, impact: plastic; ")):
+        found["separation_fraction"] = found["L_s"] * 0.0 + share
+        (note,) = style.notes_on(draw(found, figure("curve"), look=look_of("paper")))
+        assert words in note and "states" not in note  # which says nothing of what is drawn
     together = data.bifurcation().isel(initial=[0]).rename(initial="pair")
     together = together.assign_coords(
         c1=("pair", [20.0], {"units": "N s m-1"}), c2=("pair", [4.0], {"units": "N s m-1"})

@@ -6,6 +6,7 @@ from itertools import combinations
 from pathlib import Path
 from types import SimpleNamespace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import synthetic_datasets as data
@@ -408,14 +409,17 @@ def test_lines_that_hide_one_another_keep_their_places():
 
 def test_a_share_steps_as_it_likes_and_is_one_line():
     classes = np.full((12, 8), "periodic", object)
-    for row, rests in enumerate([0, 0, 0, 0, 0, 0, 7, 7, 7, 7, 7, 7]):
+    for row, rests in enumerate([1, 1, 1, 1, 1, 1, 7, 7, 7, 7, 7, 7]):
         classes[row, :rests] = "equilibrium"
     axes = data.axes(Omega=np.arange(12.0), initial=[f"far-{n:03d}" for n in range(8)])
     dataset = data.response(classes, np.ones(classes.shape), axes)
     share = {"what": "share", "of": "periodic", "over": ["initial"]}
     (ax,) = draw(dataset, figure("curve", x="Omega", variable="attractor", take=share)).axes
     (line,) = [line for line in ax.lines if len(line.get_xdata()) > 1]
-    assert np.isfinite(line.get_ydata()).all() and line.get_ydata()[[5, 6]].tolist() == [1.0, 0.125]
+    assert np.isfinite(line.get_ydata()).all() and line.get_ydata()[[5, 6]].tolist() == [
+        0.875,
+        0.125,
+    ]
 
 
 def test_a_point_that_another_hides_has_a_ring():
@@ -826,6 +830,30 @@ def test_no_level_of_a_difference_follows_a_jump_but_the_one_next_to_none():
         along[float(lines.levels[0])] = counts
     assert along[5e-4][0] > 20
     assert all(max(counts) < 5 for level, counts in along.items() if level > 5e-4)
+
+
+def test_no_level_of_a_spread_leads_along_a_jump_without_a_border():
+    """It did on both sides of where one of two starts vibrates, unlike that of a difference."""
+    dataset = data.stability_map(nx=96, ny=97)
+    dataset["L_s"] = dataset["L_s"] * xr.DataArray([1.0, 2.0], dims="initial")
+    take = {"what": "spread", "over": ["initial"]}
+    asked = {"variable": "L_s", "take": take, "level": [5e-4, 1e-3], "border": False}
+    for lines in draw(dataset, figure("map", **asked)).findobj(ContourSet):
+        x, y = np.concatenate([np.zeros((0, 2)), *lines.allsegs[0]]).T
+        assert np.count_nonzero(abs(y / x - 5.0) < 0.25) < 5
+
+
+def test_a_level_is_not_written_over_its_whole_line():
+    """It stood there without a line, and the legend promised a dashed one."""
+    array = xr.DataArray(np.zeros((2, 2)), dims=("a", "b"), name="L_s", attrs={"units": "m"})
+    for width, is_written in ((0.3, True), (0.04, False)):
+        ax = Figure(figsize=(6.4, 4.0)).add_subplot(xlim=(0.0, 1.0), ylim=(0.0, 1.0))
+        places = 0.5 + width * np.array([-0.5, 0.5]), np.array([0.2, 0.8])
+        plane = np.array([[[0.0, 0.0], [4.0, 4.0]]])
+        with mpl.rc_context({"legend.fontsize": 8.0}):
+            levels.draw(ax, array, places, [[plane]], [2.0], "black")
+        (text,) = ax.texts
+        assert isinstance(text, Annotation) != is_written  # else beside, with a stroke
 
 
 @pytest.mark.parametrize("width", [60.0, 84.0, 200.0])

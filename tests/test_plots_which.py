@@ -95,6 +95,13 @@ def test_what_a_file_differs_in_is_named_once():
     dataset = data.response(np.full((1, 2), "periodic"), np.ones((1, 2)), axes)
     own = points.title(dataset)
     assert "$c$ = 0.5" in own
+    both = xr.Dataset(
+        {"status": data.statuses(("c1_c2",), ["ok"])},
+        {name: ("c1_c2", [10.0], {"units": "N s m-1"}) for name in ("c1", "c2")},
+        data.attributes(),
+    )
+    told = points.title(both.assign_attrs(differs="$c_{1}$ = 10 N s/m, $c_{2}$ = 10 N s/m"))
+    assert told.splitlines()[1:] == ["$c_{1}$ = $c_{2}$ = 10 N s/m"]  # and not twice
     assert points.title(dataset.assign_attrs(differs="$c$ = 0.5, $k$ = 2 N/m")) == (
         f"{own}, $k$ = 2 N/m"
     )

@@ -157,6 +157,18 @@ def test_a_plan_says_what_the_case_leaves_to_the_model_and_its_law() -> None:
     assert plan.defaults() == by_name
 
 
+def test_a_plan_says_which_options_of_the_model_are_left() -> None:
+    """What happens at re-contact decides how large motions are, and was named nowhere."""
+    text = (
+        'schema = 1\n[model]\nname = "flutter-2dof"\noptions = { states = "all" }\n'
+        '[grid]\nmu_k = [1.0, 2.0]\n[[analysis]]\nkind = "response"\n'
+    )
+    told = make_plan(sweep_fakes.case(text)).describe()
+    assert '  options by default: impact = "plastic"' in told
+    chosen = make_plan(sweep_fakes.case(text.replace("= { states", '= { impact = "none", states')))
+    assert not [line for line in chosen.describe() if "options by default" in line]
+
+
 def test_a_plan_says_law_by_law_what_is_left_and_where_the_laws_defaults_differ() -> None:
     def told(friction: str) -> list[str]:
         laws = '[grid]\nfriction = ["stribeck", "lugre", "coulomb"]\n'

@@ -789,6 +789,29 @@ def test_a_log_says_which_analysis_came_how_far(tmp_path: Path) -> None:
     assert told.course.rate(40.0) == pytest.approx(5 / 20)
 
 
+def test_the_log_of_a_run_that_was_ended_tells_its_whole_time(tmp_path: Path) -> None:
+    """Two points in "4.2 s, 2.9 points/s" of a run of 7.2 s, most of which was compilation."""
+    log = {
+        0: "fiv 0: fiv run a.toml; 0 of 9 points done",
+        3: "response: begins, 0 of 9 points done",
+        5: "response: 2 points in 2 s, 0 failed, 2 of 9 points done; slowest 1 s at a=1",
+        8: "interrupted: 2 points run",
+    }
+    stamp = "2026-01-01T00:00:{:02d}.000+00:00"
+    (tmp_path / "run.log").write_text(
+        "".join(f"{stamp.format(second)} {text}\n" for second, text in log.items())
+    )
+    (told,) = runs_in(tmp_path)
+    begin = told.course.times[0]
+    assert told.last - begin == 8.0
+    words = told.course.pace(told.last, told.last)
+    assert (
+        words
+        == "8 s elapsed, 3 s of them before its first point began, 0.4 points/s, some 18 s to go"
+    )
+    assert told.course.pace(begin + 5.0).startswith("5 s elapsed, 1 points/s of late")
+
+
 def test_lines_come_whether_anything_happens_or_not(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress_of, "INTERVAL", 0.01)
     told = threading.Semaphore(0)

@@ -16,7 +16,7 @@ from fiv_cli.plots import draw
 from fiv_cli.plots.style import look_of, notes_on
 from fiv_cli.reading import select
 from fiv_cli.reading.claims import CONFIRMED, CONTRADICTED, UNDETERMINED
-from fiv_cli.reading.take import taken, taken_of_each, told_by_class, without_value
+from fiv_cli.reading.take import in_order, taken, taken_of_each, told_by_class, without_value
 
 SPEEDS = np.array([1.0, 2.0, 3.0])
 PHASES = np.array([0.0, 1.0, 2.0, 3.0])
@@ -304,6 +304,10 @@ def test_of_a_difference_the_ends_of_the_axis_alone_count():
     part = plane(classes)
     np.testing.assert_allclose(taken(part, "stick_fraction", take)["difference"], [0.1, 0.0, 0.2])
     assert without_value(part.where(part["psi_a"] != 1.0), "stick_fraction", take) == ""
+    ends = part["psi_a"].values[[0, -1]].tolist()
+    for listed, sign in ((ends, 1.0), (ends[::-1], -1.0)):  # the last of a list less its first
+        ordered = taken(part, "stick_fraction", in_order(take, {"psi_a": listed}))["difference"]
+        np.testing.assert_allclose(ordered, sign * np.array([0.1, 0.0, 0.2]))
     with pytest.raises(select.SelectionError, match="psi_a: one value alone"):
         taken(part.isel(psi_a=[0]), "stick_fraction", take)
 

@@ -133,7 +133,10 @@ TAKES = {
     "greatest": ("the greatest of the numbers", ("over",)),
     "mean": ("their mean", ("over",)),
     "spread": ("the greatest less the least", ("over",)),
-    "difference": ("what the last along an axis has more than the first, or less", ("over",)),
+    "difference": (
+        "what the last along an axis, or of a list that chooses there, has more than the first",
+        ("over",),
+    ),
     "peak": ("at which point of an axis the greatest is", ("over",)),
 }
 """`what` is taken of many values -> what it is, and the other keys of ``take``."""

@@ -438,6 +438,8 @@ def _labelled(sources: Sources, place: int, over: Sources) -> tuple[Path, dict[s
     file, source = sources[place]
     under = [one for one in sources if one not in over]
     label = next(label for label, one in _named(under) if one is source)
+    titles = {str(next(iter(one.values())).attrs.get("title", "")) for _, one in under}
+    label = label if label != file.stem or len(titles) < len(under) else ""  # the title tells
     return file, {n: one.assign_attrs(differs=label, overrides="") for n, one in source.items()}
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from fiv_cli.case.case import Case
-    from fiv_cli.data.course import Course
+    from fiv_cli.data.log import Told
     from fiv_cli.sweep.answer import Answer
 
 
@@ -203,8 +203,8 @@ def _stored_of(source: str, output: Path | None, overrides: tuple[str, ...]) -> 
         ignored_shards=[f"{shard}: {why}" for shard, why in journal.ignored],
         stored_case_differs=differing,
     )
-    courses = [] if differing else [run.course for run in runs_in(folder)]
-    return _with_pace(standing, courses, pending(journal), journal.grows)
+    runs = [] if differing else runs_in(folder)
+    return _with_pace(standing, runs, pending(journal), journal.grows)
 
 
 def _is_of_other_points(path: Path, case: Case) -> bool:
@@ -217,22 +217,23 @@ def _is_of_other_points(path: Path, case: Case) -> bool:
 
 
 def _with_pace(
-    standing: Standing, courses: Sequence[Course], pending: dict[str, int], grows: bool
+    standing: Standing, runs: Sequence[Told], pending: dict[str, int], grows: bool
 ) -> Standing:
     """What the log tells of a run that goes on, or of the last one that did anything."""
     if standing.running is None:
-        courses = [course for course in courses if len(course.times) > 1]
-    if not courses:
+        runs = [run for run in runs if len(run.course.times) > 1]
+    if not runs:
         return standing
-    course = courses[-1]
-    now = time.time() if standing.running else course.times[-1]
-    left = sum(pending.values())
+    course, left = runs[-1].course, sum(pending.values())
+    ended = None if standing.running else runs[-1].last
+    # what was under way when a run was ended took its time, too; after the last point nothing is
+    now = (ended if left else course.times[-1]) if ended else time.time()
     course.total, course.later = course.done + left, left - pending.get(course.name, left)
     course.grows = grows
     return replace(
         standing,
-        elapsed=course.elapsed(now),
+        elapsed=course.elapsed(ended or now),
         rate=course.rate(now),
         left=course.left(now),
-        pace=course.pace(now),
+        pace=course.pace(now, ended),
     )

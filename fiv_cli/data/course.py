@@ -16,6 +16,7 @@ EARLY = 0.1  # share of the points done below which they say little of the other
 YOUNG = 20.0  # seconds in which these few tell nothing at all
 LONG, UNBOUND = 180.0, ": t_max, or --time-limit, bounds what a point takes"  # s without one
 ALIKE = 0.8  # share of each other within which the rate of late is that of the whole run
+TOLD = 0.1  # share of its time that a run took to compile and prepare, at least, if that is told
 LATE = 16  # the last instants, whose longest distance says until when nothing new is no delay
 
 
@@ -107,15 +108,26 @@ class Course:
         before = self.counts[self.since]  # what was stored took no time of this run
         return self.done - before < EARLY * (self.total - self.later - before)
 
-    def pace(self, now: float) -> str:
-        """``2.5 min elapsed, 31 points/s, some 40 s to go``; "of late": not that of all."""
-        elapsed, rate = f"{duration(self.elapsed(now))} elapsed", self.rate(now)
+    @property
+    def _prepared(self) -> float:
+        """Seconds before any point of this run was begun."""
+        nothing = self.counts[self.since] == self.counts[0]
+        return self.times[self.since] - self.times[0] if nothing else 0.0
+
+    def pace(self, now: float, ended: float | None = None) -> str:
+        """``2.5 min elapsed, 31 points/s, some 40 s to go``; "of late": not that of all.
+
+        Of a run that has `ended` then, the time that it took from its beginning to its end.
+        """
+        elapsed, rate = f"{duration(self.elapsed(ended or now))} elapsed", self.rate(now)
+        before = self._prepared if ended and self._prepared >= TOLD * self.elapsed(ended) else 0.0
+        elapsed += f", {duration(before)} of them before its first point began" * (before > 0.0)
         if rate == 0.0 and not self.name:
             return f"{elapsed}, being compiled or prepared"
         if rate == 0.0:
             return elapsed + UNBOUND * (self._own(now) >= LONG)
         speed = f"{rate:.2g}" if rate < 10.0 else f"{rate:,.0f}"
-        whole = (self.done - self.counts[0]) / self.elapsed(self._judged(now))
+        whole = (self.done - self.counts[0]) / (self.elapsed(self._judged(now)) - before)
         late = "" if ALIKE * rate <= whole <= rate / ALIKE else " of late"
         told, left = f"{elapsed}, {speed} points/s{late}", self.left(now)
         alike = ", were the others alike" if self._is_early else ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from fiv_cli.files import append_line
 RUN_SUFFIX = ".run"
 
 _BEGUN = re.compile(r"(\S+) fiv \S+: (fiv run .*); (\d+) of (\d+) points done")
+_DATED = re.compile(r"(\d{4}-\d\d-\d\dT\S+) ")
 _CAME = re.compile(r"(\S+) ([^:]+): .*, (\d+) of (\d+) points done")
 
 
@@ -26,10 +27,12 @@ class Told:
     ----------
     command : that was given
     course : how far it came, by the clock
+    last : when it was heard of last, s
     """
 
     command: str
     course: Course
+    last: float = 0.0
 
 
 def run_folder(output: Path) -> Path:
@@ -70,6 +73,8 @@ def runs_in(folder: Path) -> list[Told]:
                 if points:
                     course.note(_seconds(time), points)
                 course.total = int(total)
+            if runs and (dated := _DATED.match(line)):
+                runs[-1] = replace(runs[-1], last=_seconds(dated[1]))
     return runs
 
 

@@ -197,6 +197,7 @@ def _scatter(
             cells = _cells(x, y, mask)
             look_of = {"color": look["color"], "rasterized": len(x) > style.MANY_MARKS}
             ax.add_collection(PolyCollection([*cells], lw=SEAM, zorder=2.0, **look_of))
+            ax.margins(0.0)  # they fill the panel, as on a map
         if name in told or filled:
             words = _told(told)[name] if name in told else label
             ax.scatter([], [], lw=0.5, label=words, **key)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -51,12 +52,17 @@ def _given(dataset: xr.Dataset) -> Iterator[str]:
     yield from (str(name) for name, axis in dataset.coords.items() if axis.dims == (name,))
     yield from _table(_table(case, "model"), "parameters")
     yield from _table(case, "friction")
+    yield from _table(_table(case, "model"), "options")
+    if "separation_fraction" in dataset and bool((dataset["separation_fraction"] > 0.0).any()):
+        yield "impact"  # which decides how large motions are
 
 
 def _held(dataset: xr.Dataset, name: str) -> list[str]:
-    """The numbers that a dataset has of a parameter, or its law."""
-    if name == "law":
-        return [f"law: {dataset.attrs['law']}"] if "law" in dataset.attrs else []
+    """The numbers that a dataset has of a parameter, or its law, or an option of its model."""
+    chosen = json.loads(dataset.attrs.get("options_json", "{}"))
+    chosen |= {"law": dataset.attrs["law"]} if "law" in dataset.attrs else {}
+    if name in chosen and name not in dataset.coords:
+        return [f"{name}: {chosen[name]}"]
     held = dataset.coords.get(name)
     if held is None or held.ndim > 1 or held.dtype.kind not in "fi":
         return []

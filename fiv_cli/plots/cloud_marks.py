@@ -69,7 +69,7 @@ def mark_clouds(
             _mark_finely(ax, cloud, entry, size, resting)
         else:
             _mark_values(ax, cloud, entry, size, sorts, many)
-            _mark_rests(ax, cloud, entry, size, sorts, resting, squares)
+            _mark_rests(ax, cloud, entry, size, sorts, resting, squares, len(pairs) == 1)
     if are_bars:
         _mark_some(ax, pairs, sorts, resting, settings, squares)
     for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
@@ -151,7 +151,7 @@ def _mark_some(
         ]
         own = part_at(cloud, places[chosen]) if places.size else cloud
         _mark_values(ax, own, entry, APART, sorts, many=False)
-        _mark_rests(ax, own, entry, APART, sorts, resting, squares)
+        _mark_rests(ax, own, entry, APART, sorts, resting, squares, len(pairs) == 1)
     for line in ax.lines[before:]:
         label = str(line.get_label())
         line.set_label(DECORATION)  # a table has these values as dots
@@ -233,13 +233,13 @@ def _mark_crowds(
     fine = seen * max(FINEST, FINER * style.finer(int(cloud.crowded.sum())) * size)
     look = style.mark_of(0, 1, fine) | {"ls": "none", "rasterized": many}
     of_turn = cloud.crowded & ((turn == 0) | (np.cumsum(cloud.crowded) % TURNS == turn))
-    for part, colour, told in (
-        (of_turn & ~cloud.undecided, entry.colour, ""),
-        (of_turn & cloud.undecided, style.pale(entry.colour), UNSETTLED),
+    for part, colour, told, above in (
+        (of_turn & ~cloud.undecided, entry.colour, "", {}),
+        (of_turn & cloud.undecided, style.pale(entry.colour), UNSETTLED, {"zorder": 2.5}),
     ):
         if part.any():
             label = DECORATION if turn else points.unlisted(entry.label, told)
-            ax.plot(cloud.x[part], cloud.y[part], color=colour, label=label, **look)
+            ax.plot(cloud.x[part], cloud.y[part], color=colour, label=label, **look | above)
     if not turn and (gathered := _gathered(cloud)).size:
         wide: dict[str, Any] = {**style.mark_of(0, 1, SEEN_ON_LINES), "ls": "none", "zorder": 3.8}
         ax.plot(*gathered, color=style.pale(entry.colour), label=DECORATION, **wide)
@@ -262,10 +262,12 @@ def _mark_rests(
     sorts: int,
     resting: str,
     squares: bool,
+    alone: bool,
 ) -> None:
     """The points at rest of one cloud, with `squares` in their mark where no line tells of them.
 
-    A dot lies upon its square, any other mark beneath: what is seen of it is the rest of it.
+    A dot lies upon its square, any other mark beneath: what is seen of it is the rest of it. Of a
+    cloud that is `alone` there are but squares: the dots would tell nothing, and hide them in rows.
     """
     rest, on_line = ((cloud.rest_x[part], cloud.rest_y[part]) for part in (~cloud.told, cloud.told))
     mark = _mark_of(cloud.start, entry.number, sorts, size)
@@ -277,7 +279,8 @@ def _mark_rests(
     if squares:
         ax.plot(*rest, label=at_rest, **square)
         at_rest = DECORATION
-    ax.plot(*rest, label=at_rest, zorder=4.1, **look)
+    if not (squares and alone and is_dot):
+        ax.plot(*rest, label=at_rest, zorder=4.1, **look)
     ax.plot(*on_line, label=points.unlisted(entry.label, "equilibrium"), zorder=4, **look)
 
 

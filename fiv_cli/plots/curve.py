@@ -220,6 +220,7 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
             "of a conjugate pair both are drawn, as one line; --figure eigenvalues draws one of "
             "them, where modes merge and where they turn unstable"
         )
+    yield from _of_modes_alike(shown.parts.get("growth_frequency", {}).values())
     yield from _of_crossings(shown.parts, shown.axis)
     yield from _of_branches_not_drawn(shown.parts, shown.axis)
     known = [one for one in every if one.is_known]
@@ -233,6 +234,22 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
         told = [one for one in every if one.of_crossings == crossings and one.apart]
         for one in told if crossings else told[:MOST_TOLD]:
             yield from broken(one.label or shown.first, shown.axis.name, one.apart, x)
+
+
+def _of_modes_alike(layers: Iterable[points.Layer]) -> Iterator[str]:
+    """That which mode grows most is not told where several of other frequencies grow alike."""
+    alike = 0
+    for dataset in (one.dataset for one in layers if "eigenvalue_real" in one.dataset):
+        growth, turning = dataset["eigenvalue_real"], abs(dataset["eigenvalue_imag"])
+        most = growth >= growth.max("mode") - style.ROUNDING * abs(turning).max("mode")
+        turning = turning.where(most)
+        spread = turning.max("mode") - turning.min("mode")
+        alike += int((spread > style.ROUNDING * turning.max("mode")).sum())
+    if alike:
+        yield (
+            f"growth_frequency: at {alike} points modes of other frequencies grow as much, and it "
+            "is that of one of them; --figure eigenvalues draws all"
+        )
 
 
 def _of_undecided(

@@ -298,8 +298,9 @@ def _leaves(
     left = leaps.changes_over(
         y, starts.transpose(..., *array.isel(index).dims).values.reshape(-1, y.size)
     )
-    if name == "share":  # which may step as it likes
-        return left
+    if name == "share":  # which may step as it likes, but for where an attractor ends
+        ends = (y[1:] % 1.0 == 0.0) | (y[:-1] % 1.0 == 0.0)
+        return left | ends & leaps.leaps(y, np.ones(y.size), (0.0, 1.0), logarithmic=False)
     marks = [one.isel(index, missing_dims="ignore") for one in leaps.marks_of_motions(dataset)]
     plain = leaps.kinds(dataset).broadcast_like(array).isel(index).values
     kinds, surely = leaps.told_apart(plain, marks)

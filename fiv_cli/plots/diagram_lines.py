@@ -87,7 +87,7 @@ def mark_critical(
         differs = listed(differing(other.dataset, datasets[0]))
         raise UsageError(
             f"{other.label}: no critical value of {axis.name} at parameters of this figure"
-            f"{f' ({differs} differ)' * bool(differs)}\n"
+            f"{f' (of another {differs})' * bool(differs)}\n"
             f'next: an analysis `critical` with parameter = "{axis.name}", in a case of these '
             "parameters, finds it; or draw each file by itself"
         )
@@ -144,9 +144,17 @@ def _critical_of_lines(
     for line in points.lines(dataset, along, points.grid_dims(dataset)):
         own = dataset.isel(line.index)
         parts = [of_the_same(one, own) for one in (other.dataset, *other.beside)]
-        met = [critical_values(part, axis) for part in parts if part is not None]
+        met = [critical_values(_of_roots(part), axis) for part in parts if part is not None]
         values = np.unique(np.concatenate([np.zeros(0), *met]))
         yield line.label, values, _turns_here(values, own, axis)
+
+
+def _of_roots(critical: xr.Dataset) -> xr.Dataset:
+    """Without where an equilibrium begins or ends, at which its growth is not zero."""
+    if "crossing_kind" not in critical:
+        return critical
+    found = critical["critical_value"].where(~is_class(critical["crossing_kind"], ("end",)))
+    return critical.assign(critical_value=found)
 
 
 def _turns_here(values: np.ndarray, line: xr.Dataset, axis: xr.DataArray) -> np.ndarray:

@@ -413,7 +413,8 @@ def _with_own_take(figure: FigureSpec, analyses: dict[str, xr.Dataset]) -> Figur
 
 def _taken(dataset: xr.Dataset, settings: Settings) -> xr.Dataset:
     """The dataset as what the figure takes of its variable."""
-    how, name = settings["take"], points.one_variable(settings, "attractor")
+    name = points.one_variable(settings, "attractor")
+    how = take.in_order(settings["take"], settings.get("select", {}))
     found = take.taken_of_each(dataset, name, how)
     found = take.told_by_class(found, dataset, name, how)
     found = found.assign_attrs(without=take.without_value(dataset, name, how))

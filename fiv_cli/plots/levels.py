@@ -52,6 +52,7 @@ AGAIN, LONG = 0.25, 2.0
 LARGEST = np.array([0.16, 0.3])
 TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
 MOST_PLACES, MOST_ELSEWHERE = 150, 5000
+UNHIDDEN = 2.5  # times as long as its level a line is at least that has it on it, and is seen
 STEP = 0.25  # between points of other lines, in heights of letters
 # Heights of letters between a short line and its level beside it; ways there; places tried.
 BY, MOST_BESIDE = 0.3, 30
@@ -346,22 +347,41 @@ def _name(
             for shares in (CLEAR, ALIKE)
         )
         found.append((lines, level, next(filter(None, rooms), [])[:most]))
-    size = mpl.rcParams["legend.fontsize"]
-    for lines, level, places in found:
-        # cut by matplotlib, a line may lose three times as much beneath a bend
-        look: dict[str, Any] = {"fontsize": size, "manual": places, "inline": False}
-        told = {level: labels.number_text(level, levels)}
-        for text_ in ax.clabel(lines, fmt=told, **look) if places else ():
-            upwards = (text_.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
-            text_.set(path_effects=HALO, zorder=OVER_MARKS, rotation=0.0)
-            _begin_beside(ax, lines, text_)
-            text_.set_rotation(min(upwards, 90.0))  # none is turned over
-    beside = set()
-    for lines, level, _ in [one for one in found if not one[2]]:
+    hidden = [one for one in found if not one[2] or _is_hidden(ax, one[0], one[1], levels)]
+    for lines, level, places in [one for one in found if one not in hidden]:
+        _write_on(ax, lines, level, levels, places)
+    told = {level for _, level, _ in [one for one in found if one not in hidden]}
+    for lines, level, places in hidden:
         others = [piece for one, of in drawn if of != level for piece in _pieces(one)]
         text = labels.number_text(level, levels)
-        beside |= {level} if _write_beside(ax, lines, text, [*others, *crossing], marks) else set()
-    return beside | {level for _, level, places in found if places}
+        if not (is_beside := _write_beside(ax, lines, text, [*others, *crossing], marks)):
+            _write_on(ax, lines, level, levels, places)
+        told |= {level} if is_beside or places else set()
+    return told
+
+
+def _is_hidden(ax: Axes, lines: QuadContourSet, level: float, levels: Sequence[float]) -> bool:
+    """Whether little is seen of a line on which its level is written."""
+    longest = max((_length(ax, piece) for piece in _pieces(lines)), default=0.0)
+    return bool(longest < UNHIDDEN * 2.0 * _half_of(ax, labels.number_text(level, levels))[0])
+
+
+def _write_on(
+    ax: Axes,
+    lines: QuadContourSet,
+    level: float,
+    levels: Sequence[float],
+    places: Sequence[np.ndarray],
+) -> None:
+    """Write a level on its line at some places."""
+    # cut by matplotlib, a line may lose three times as much beneath a bend
+    look: dict[str, Any] = {"fontsize": mpl.rcParams["legend.fontsize"], "inline": False}
+    told = {level: labels.number_text(level, levels)}
+    for text in ax.clabel(lines, fmt=told, manual=places, **look) if places else ():
+        upwards = (text.get_rotation() - DOWNWARD) % 180.0 + DOWNWARD
+        text.set(path_effects=HALO, zorder=OVER_MARKS, rotation=0.0)
+        _begin_beside(ax, lines, text)
+        text.set_rotation(min(upwards, 90.0))  # none is turned over
 
 
 def _begin_beside(ax: Axes, lines: QuadContourSet, text: Text) -> None:

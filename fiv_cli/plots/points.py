@@ -379,9 +379,12 @@ def title(dataset: xr.Dataset, *others: xr.Dataset) -> str:
         *changed,
     ]
     differs = str(dataset.attrs.get("differs", "")).split(", ")
-    words += [word for word in differs if word not in words]
+    told = [labels.value_label(one, one.item()) for axes in alone for one in axes]
+    words += [word for word in differs if word not in {*words, *told}]
     words += ["settled"] * all(map(is_settled, (dataset, *others)))
     words.append(str(dataset.attrs.get("without", "")))
+    words += [f"partial: {one.attrs['partial']}" for one in (dataset, *others)
+              if "partial" in one.attrs][:1]  # fmt: skip
     return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
 
 
@@ -659,11 +662,13 @@ def mark_gaps(
     shown = {row: x[(low <= x) & (x <= high)] for row, x in found.items()}
     looks = _by_look({row: here for row, here in shown.items() if here.size}, colours(axes))
     step = (GAP_MARK + 1.0) * ax.figure.dpi / style.POINTS / ax.bbox.height
+    every = [positions(abscissa(layer.dataset, settings)) for layer in layers]
     for level, ((name, colour), (whose, x)) in enumerate(looks.items()):
         ax.plot(
             x, np.full(x.shape, step * (level + 0.5)), GAP_MARKS[name][0], color=colour,
             ms=GAP_MARK, ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
-            transform=ax.get_xaxis_transform(), zorder=5, markevery=_apart(ax, x),
+            transform=ax.get_xaxis_transform(), zorder=5,
+            markevery=_apart(ax, x, np.setdiff1d(np.concatenate(every), x)),
         )  # fmt: skip
     if not looks:
         return
@@ -712,15 +717,25 @@ def _gap_rows(
     return rows
 
 
-def _apart(ax: Axes, x: np.ndarray) -> list[int]:
-    """Which of some rising places are marked: the ends of each row, and all far from one before."""
-    places = ax.transData.transform(np.column_stack([x, np.full(x.size, np.mean(ax.get_ylim()))]))
+def _apart(ax: Axes, x: np.ndarray, others: np.ndarray) -> list[int]:
+    """Which of some rising places are marked: the ends of each row, and all far from one before.
+
+    What lies beside one of the `others` is so only in a row that is too short for a mark elsewhere:
+    else the marks of two rows hide that there are some between.
+    """
+    both = np.concatenate([x, others])
+    across = ax.transData.transform(np.column_stack([both, np.full(both.size, ax.get_ylim()[0])]))
+    places, beside = np.split(across[:, 0], [x.size])
     far, kept = APART * ax.figure.dpi / style.POINTS, [0]
-    is_last = np.append(np.abs(np.diff(places[:, 0])) >= far, True)  # of its row
-    for number, place in enumerate(places[1:, 0], 1):
-        if is_last[number] or abs(place - places[kept[-1], 0]) >= far:
+    is_last = np.append(np.abs(np.diff(places)) >= far, True)  # of its row
+    for number, place in enumerate(places[1:], 1):
+        if is_last[number] or abs(place - places[kept[-1]]) >= far:
             kept.append(number)
-    return kept
+    row = np.searchsorted(np.sort(others), x)[kept]
+    off = np.abs(places[kept, None] - beside).min(axis=1, initial=np.inf)
+    clear = off >= 0.5 * GAP_MARK * ax.figure.dpi / style.POINTS
+    alone = ~np.isin(row, row[clear])
+    return np.array(kept)[clear | alone].tolist()
 
 
 def _make_room_below(ax: Axes, share: float, lowest: float | None = None) -> None:

@@ -51,7 +51,7 @@ from fiv_cli.reading.datasets import (
     unknown_points,
 )
 from fiv_cli.reading.shares import ERROR, with_standard_error
-from fiv_cli.reading.take import taken, without_value
+from fiv_cli.reading.take import in_order, taken, without_value
 
 Analyses = Mapping[str, xr.Dataset]
 Stored = Callable[[str], Analyses]
@@ -452,7 +452,8 @@ def _asked(
     inner = {name: at for name, at in claim.at.items() if name.replace(".", "_") in over}
     outer = {name: at for name, at in claim.at.items() if name not in inner}
     part = select.subset(dataset, inner, nearest=False)
-    found = taken(part, claim.variable, claim.take).assign_attrs(_ends(part, claim.take))
+    how = in_order(claim.take, inner)
+    found = taken(part, claim.variable, how).assign_attrs(_ends(part, claim.take))
     found = with_standard_error(found, part, claim.take, drawn)
     return select.subset(found, outer, nearest=False), claim.take["what"]
 

@@ -34,7 +34,7 @@ from fiv_cli.reading.datasets import (
     unknown_points,
 )
 
-MOVING = "moving"
+MOVING, MOST_COMPARED = "moving", 4
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def taken(
     -------
     xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``,
         ``WHAT_error`` of what may be off, and ``status``. Where nothing is known they are NaN, and
-        the status is that of some point there. Of a difference `MOVING` says which of both vibrate
+        the status is that of some point there. Of both last `MOVING` says which vibrate
 
     Raises
     ------
@@ -113,26 +113,43 @@ def taken(
     if what in _MOVED and error_of(variable) in dataset:
         off = dataset[error_of(variable)].fillna(math.inf).where(array.notnull())
         interval[f"{what}_error"] = _moved(what, numbers(array), off, _dims(axes))
-    if what == "difference" and "attractor" in dataset:
+    if what in ("difference", "spread") and "attractor" in dataset:
         interval[MOVING] = _moving(dataset["attractor"], axes)
     named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take, axes[0])}
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
 
 def _looked_at(dataset: xr.Dataset, take: Mapping[str, Any]) -> xr.Dataset:
-    """The part of which something is taken: of an axis both its ends, for a difference."""
+    """The part of which something is taken: of an axis both its ends, for a difference, or those of
+    a list of its values that tells which is less which."""
     if take["what"] != "difference":
         return dataset
     axis = select.axis_of(dataset, take["over"][0])
     if axis.size < 2:
         raise select.SelectionError(f"{axis.name}: one value alone, which differs from no other")
-    return dataset.isel({str(axis.dims[0]): [0, -1]})
+    ends = [0, -1]
+    if listed := take.get("listed"):
+        ends = [int(select.matching(axis, one, nearest=True).argmax()) for one in listed]
+    return dataset.isel({str(axis.dims[0]): [ends[0], ends[-1]]})
+
+
+def in_order(take: Mapping[str, Any], selection: Mapping[str, Any]) -> dict[str, Any]:
+    """What is taken, of a list of values of its axis the last less the first of this list."""
+    listed = selection.get(take["over"][0])
+    if take["what"] != "difference" or not isinstance(listed, list | tuple) or len(listed) < 2:
+        return {**take}
+    return {**take, "listed": [*listed]}
 
 
 def _moving(attractor: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
-    """Which of two ends vibrate: 0 none, 1 the first, 2 the last, 3 both."""
-    (dim,), rests = _dims(axes), is_class(attractor, ("equilibrium",))
-    return (~rests * xr.DataArray([1, 2], dims=dim)).sum(dim)
+    """Which of what is compared vibrate: 0 none, 1 the first, 2 the second, 3 both, ...; of more
+    than a few whether any does."""
+    rests, dims = is_class(attractor, ("equilibrium",)), _dims(axes)
+    moving = (~rests).stack(compared=dims)
+    if moving["compared"].size > MOST_COMPARED:
+        return moving.any("compared").astype(int)
+    weights = xr.DataArray(2 ** np.arange(moving["compared"].size), dims="compared")
+    return (moving * weights).sum("compared")
 
 
 def _moved(what: str, array: xr.DataArray, off: xr.DataArray, dims: list[str]) -> xr.DataArray:

@@ -39,7 +39,15 @@ def defaults_text(case: Case, given: Collection[str]) -> list[str]:
     theirs = [name for name in _left(case, given) if name in set_here]
     of_model = f"  {', '.join(theirs)}: the default of {model.name}, not of the law"
     line = f"  by default, in SI: {', '.join([*told, *[more] * bool(counted)])}"
-    return [*[line] * bool(left), *[of_model] * bool(theirs)]
+    return [*[line] * bool(left), *_options_text(case, model), *[of_model] * bool(theirs)]
+
+
+def _options_text(case: Case, model: Model) -> list[str]:
+    """The options of a model that a case leaves as they are."""
+    axes = {axis.name for axis in case.axes}
+    left = [one for one in model.options if case.options[one.name] == one.default]
+    told = [f'{one.name} = "{one.default}"' for one in left if one.name not in axes]
+    return [f"  options by default: {', '.join(told)}"] * bool(told)
 
 
 def unequal_defaults(case: Case) -> list[str]:
