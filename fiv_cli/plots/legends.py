@@ -41,7 +41,8 @@ def legend_below(figure: Figure, handles: Sequence[Artist], title: str = "") -> 
     heading = style.folded(style.worded(title), most)
     whole = [style.worded(str(one.get_label())) for one in handles]
     folded = [[style.folded(one, int(part * most)) for one in whole] for part in FOLDED]
-    tried = [(w, n) for w in folded for n in range(columns_of(w, room), 0, -1)]
+    counts = [{even_columns(len(w), n) for n in range(columns_of(w, room), 0, -1)} for w in folded]
+    tried = [(w, n) for w, of in zip(folded, counts, strict=True) for n in sorted(of)]
     tried.sort(key=lambda one: _rows(*one))
     for words, columns in tried if handles else ():
         legend = figure.legend(
