@@ -330,6 +330,11 @@ def test_a_long_entry_of_a_legend_is_folded_where_others_stand_beside_it_then():
     texts = [text.get_text() for text in legend.get_texts()]
     assert texts[:9] == short and "\n" in texts[9] and texts[9].split() == long.split()
     assert legend._ncols > 1 and legend.get_window_extent().width <= found.bbox.width
+    even = Figure(figsize=(6.4, 4.0), layout="constrained")
+    words = ["equilibrium", "quasiperiodic", "chaotic", "undecided", "contact lost", "periodic"]
+    ax = even.add_subplot()
+    legends.legend_below(even, [ax.plot([], [], label=text)[0] for text in words])
+    assert even.legends[0]._ncols == 3  # in as few columns as make no more rows
     alone = Figure(figsize=(6.4, 4.0), layout="constrained")
     legends.legend_below(alone, [alone.add_subplot().plot([], [], label=long[:60])[0]])
     assert "\n" not in alone.legends[0].get_texts()[0].get_text()
