@@ -226,7 +226,9 @@ def test_a_motion_lies_over_the_basins_at_its_parameters(turned):
 
 def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
     of_cycle = _motion_in_x(2.0).assign_attrs(steady_state="unstable cycle")
-    for one, word in ((_motion_in_x(2.0), "motion"), (of_cycle, "unstable cycle")):
+    settled = _motion_in_x(2.0).assign_attrs(steady_state="periodic")
+    words = ((_motion_in_x(2.0), "motion"), (of_cycle, "unstable cycle"), (settled, "cycle"))
+    for one, word in words:
         (ax,) = draw([("", data.basin(speeds=(1.0,))), ("", one)], figure("basin")).axes
         assert [*_lines_over(ax)] == [word]
 
@@ -354,7 +356,13 @@ def test_a_share_that_leaps_is_not_drawn_as_a_decline():
     count, speeds = 40, np.linspace(1.0, 2.0, 9)
     starts = [f"any-{n:03d}" for n in range(count)]
     take = {"what": "share", "of": "periodic", "over": ["initial"]}
-    for kept, leaps in ((np.r_[[36] * 5, [0] * 4], True), (np.arange(36, 0, -4), False)):
+    gradual = np.r_[40, 40, 40, 38, 38, 36, 30, 30, 24]
+    for kept, leaps in (
+        (np.r_[[36] * 5, [0] * 4], True),
+        (np.arange(36, 0, -4), False),
+        (gradual, False),
+        (40 - gradual, False),
+    ):
         classes = np.where(np.arange(count) < kept[:, None], "periodic", "equilibrium")
         axes = data.axes(v=speeds, initial=starts)
         found = data.response(classes.astype(object), np.ones(classes.shape), axes)

@@ -282,11 +282,11 @@ def test_what_may_lie_over_a_figure_of_another_file_is_told_with_what_to_type(st
         attrs=data.attributes(),
     )
     critical.to_netcdf(stored / "critical.nc")
-    told = "eigenvalues.nc: critical.nc lies over it with --figure eigenvalues\n"
+    told = "fiv plot eigenvalues.nc critical.nc --figure eigenvalues\n"
     assert told in run(plot_command, "eigenvalues.nc", "critical.nc").stderr
     asked = ["--figure", "eigenvalues"]
     assert told not in run(plot_command, "eigenvalues.nc", "critical.nc", *asked).stderr
-    assert "lies over" not in run(plot_command, "eigenvalues.nc", "bifurcation.nc").stderr
+    assert "may lie over" not in run(plot_command, "eigenvalues.nc", "bifurcation.nc").stderr
 
 
 def test_of_several_files_no_branch_that_a_diagram_takes_is_blamed_for_another(stored):

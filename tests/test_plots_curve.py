@@ -293,6 +293,9 @@ def test_critical_values_lie_where_amplitudes_begin():
     assert marks(ax, "critical value of $\\Omega$").tolist() == [[3.1, 0.0], [99.0, 0.0]]
     (note,) = style.notes_on(ax.figure)
     assert note.startswith("critical value of $\\Omega$ at 99: beyond the lines")
+    chosen = figure("curve", variable="phi_amplitude", select={"initial": "near"})
+    (ax,) = draw([("a", found), ("b", critical)], chosen).axes  # of which these know nothing
+    assert len(marks(ax, "critical value of $\\Omega$")) == 2
     several = found.expand_dims(N0=[1.0, 2.0]).copy(deep=True)
     several["phi_amplitude"].values[1] *= 2.0
     several["theta_amplitude"] = several["phi_amplitude"].assign_attrs(units="m")

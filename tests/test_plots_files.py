@@ -55,6 +55,14 @@ def test_a_caption_has_the_law_and_the_few_starts_of_a_table_and_all_that_advanc
         found["separation_fraction"] = found["L_s"] * 0.0 + share
         (note,) = style.notes_on(draw(found, figure("curve"), look=look_of("paper")))
         assert words in note and "states" not in note  # which says nothing of what is drawn
+    fixed = {"F": ((), 1000.0, {"units": "N"}), "u0": ((), 0.0, {"units": "m"})}
+    left = found.assign_coords(fixed)
+    left = left.assign_attrs(case="[model]\nparameters = { k = 2.0 }\n")
+    (note,) = style.notes_on(draw(left, figure("curve"), look=look_of("paper")))
+    assert "; by default F = 1000 N; " in note  # and not what is 0
+    given = left.assign_attrs(case="[model]\nparameters = { F = 1000.0 }\n")
+    (note,) = style.notes_on(draw(given, figure("curve"), look=look_of("paper")))
+    assert "F = 1000 N" in note and "by default" not in note
     together = data.bifurcation().isel(initial=[0]).rename(initial="pair")
     together = together.assign_coords(
         c1=("pair", [20.0], {"units": "N s m-1"}), c2=("pair", [4.0], {"units": "N s m-1"})

@@ -308,8 +308,20 @@ def test_of_a_difference_the_ends_of_the_axis_alone_count():
     for listed, sign in ((ends, 1.0), (ends[::-1], -1.0)):  # the last of a list less its first
         ordered = taken(part, "stick_fraction", in_order(take, {"psi_a": listed}))["difference"]
         np.testing.assert_allclose(ordered, sign * np.array([0.1, 0.0, 0.2]))
-    with pytest.raises(select.SelectionError, match="psi_a: one value alone"):
-        taken(part.isel(psi_a=[0]), "stick_fraction", take)
+    plain = taken(part, "stick_fraction", take)["difference"]
+    for listed in ([". >= 0", ends[0]], [9.9, ends[1]], [ends[1], ends[1]]):  # which tell no order
+        assert plain.equals(
+            taken(part, "stick_fraction", in_order(take, {"psi.a": listed}))["difference"]
+        )
+
+
+def test_what_is_taken_over_a_dim_that_classes_have_none_of_says_what_vibrates_there():
+    part = plane(CLASSES.astype(object))
+    part["force"] = part["stick_fraction"] * xr.DataArray([1.0, 3.0], dims="contact")
+    for what in ("spread", "difference"):
+        found = taken(part, "force", {"what": what, "over": ["contact"]})
+        np.testing.assert_allclose(found[what], 2.0 * part["stick_fraction"])
+        assert found["moving"].dims == part["attractor"].dims
 
 
 def test_what_is_counted_over_motions_without_a_value_is_an_answer():

@@ -237,7 +237,8 @@ points leave a claim undetermined where they could turn it, unless they are no m
 those it is tried on: then the rest decides, whatever they might hold. A share over random starts is
 held as it was found: its standard error is told, and not allowed for (add two or three of them to a
 tolerance). One over a lattice of starts (axes initial.x) counts its points, each alike: lay them in
-the middles of cells, not on the edges of the range.
+the middles of cells, not on the edges of the range. `refine` halves the steps between the outermost
+points: the window is theirs and half a finest step beyond, so lay these that much inside its edges.
 
 A map draws the line at which its numbers have a `level`: the border of a region, also in a jump, to
 rest half-way between the points. Of several levels only that next to rest lies in such a jump, and

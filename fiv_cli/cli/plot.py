@@ -429,8 +429,8 @@ def _tell_of_what_may_lie_over(one: Source, others: Sources, figure: FigureSpec)
 
     taken = [other for other in others if _failure(_named([one, other]), figure, Look()) is None]
     for file, _ in taken:
-        told = f"{file} lies over it with --figure {figure.name}"
-        click.echo(f"figure {figure.name} of {one[0]}: {told}", err=True)
+        command = f"fiv plot {one[0]} {file} --figure {figure.name}"
+        click.echo(f"{file} may lie over the figure {figure.name}: {command}", err=True)
 
 
 def _labelled(sources: Sources, place: int, over: Sources) -> tuple[Path, dict[str, xr.Dataset]]:

@@ -233,9 +233,9 @@ def _motions_in_time(layer: points.Layer, of_file: bool) -> list[motion.Motion]:
     dataset = _in_time(layer)
     every = motion.motions(dataset, {"overlay": True})
     given = dataset.attrs.get("called", layer.label)
-    file = layer.label if of_file or given else ""
-    names = [points.joined(file, one.label) for one in every]
-    word = motion.what_it_is(dataset)
+    file, word = layer.label if of_file or given else "", motion.what_it_is(dataset)
+    alone = len(every) == 1 and word != "motion"  # a cycle is one from wherever it was reached
+    names = [points.joined(file, "" if alone else one.label) for one in every]
     labels_of = names if given else [f"{word}{': ' * bool(name)}{name}" for name in names]
     return [replace(one, label=label) for one, label in zip(every, labels_of, strict=True)]
 

@@ -41,9 +41,19 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     with_starts = [one for one in datasets if "initial" in one or "share" in one]
     of_each = [[*_random_starts(one), *_starts_of_a_table(one)] for one in with_starts]
     starts = of_each[0] if of_each and all(own == of_each[0] for own in of_each) else []
-    told = [*filter(None, below), ", ".join(given), *starts, *style.caption_of(drawn)]
+    left = _by_default(datasets, {*names})
+    told = [*filter(None, below), ", ".join(given), *left, *starts, *style.caption_of(drawn)]
     words = in_one_line("; ".join(filter(None, told)))
     return [f"for the caption: {words}"] * bool(words)
+
+
+def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
+    """The parameters that cases leave as they are in the model, but what is 0; together."""
+    names = [str(name) for name, axis in datasets[0].coords.items() if axis.dtype.kind == "f"]
+    held = [[_held(one, name) for one in datasets] for name in names if name not in given]
+    alike = [one[0][0] for one in held if one[0] and all(own == one[0] for own in one)]
+    told = [word for word in alike if word.rpartition(" = ")[2].split()[0] != "0"]
+    return [f"by default {', '.join(told)}"] * bool(told)
 
 
 def _given(dataset: xr.Dataset) -> Iterator[str]:

@@ -32,7 +32,8 @@ AMONG_DOTS: dict[str, Any] = {"ls": (0, (0.01, 3.85)), "lw": 1.3, "dash_capstyle
 # Of the key of values that crowd: a row of fine dots.
 ROW_OF_DOTS: dict[str, Any] = {"ls": (0, (0.01, 2.0)), "lw": 1.2, "dash_capstyle": "round"}
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
-ONE_PLACE = 0.01  # of the extent of a cloud: values that lie so close are one mark
+ONE_PLACE = 0.01  # of the extent of all clouds: values that lie so close are one mark
+EDGE = 0.5  # pt: of marks that lie on lines of another colour
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 WIDER = 0.8  # share by which a dot that lies beneath another is wider, for each of these
@@ -74,6 +75,9 @@ def mark_clouds(
         _mark_some(ax, pairs, sorts, resting, settings, squares)
     for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
+    heights = np.concatenate([np.append(one.y, one.rest_y) for one in clouds])
+    for cloud, entry in pairs:
+        _mark_gathered(ax, cloud, entry, float(np.ptp(heights)) if heights.size else 0.0)
     decided = any((one.crowded & ~one.undecided).any() for one in clouds)
     if decided and (sorts > 1 or crowd < count):
         colours = {entry.colour for entry in entries}
@@ -240,18 +244,18 @@ def _mark_crowds(
         if part.any():
             label = DECORATION if turn else points.unlisted(entry.label, told)
             ax.plot(cloud.x[part], cloud.y[part], color=colour, label=label, **look | above)
-    if not turn and (gathered := _gathered(cloud)).size:
-        wide: dict[str, Any] = {**style.mark_of(0, 1, SEEN_ON_LINES), "ls": "none", "zorder": 3.8}
-        ax.plot(*gathered, color=style.pale(entry.colour), label=DECORATION, **wide)
 
 
-def _gathered(cloud: Cloud) -> np.ndarray:
-    """Undecided values that crowd in one place, as on the way to rest, shape (2, places)."""
+def _mark_gathered(ax: Axes, cloud: Cloud, entry: points.Entry, extent: float) -> None:
+    """Undecided values that crowd in one place of a figure that reaches so far, as on the way to
+    rest: each place has a mark that is seen on a line."""
     here = cloud.crowded & cloud.undecided
-    whole = np.ptp([*cloud.y, *cloud.rest_y]) if here.any() else 0.0
     columns = [(x, cloud.y[here & (cloud.x == x)]) for x in np.unique(cloud.x[here])]
-    near = [(x, float(np.median(y))) for x, y in columns if np.ptp(y) < ONE_PLACE * whole]
-    return np.array(near).T
+    near = [(x, float(np.median(y))) for x, y in columns if np.ptp(y) < ONE_PLACE * extent]
+    if near:
+        wide: dict[str, Any] = {**style.mark_of(0, 1, SEEN_ON_LINES), "ls": "none", "zorder": 3.8}
+        wide |= {"mec": entry.colour, "mew": EDGE}
+        ax.plot(*np.transpose(near), color=style.pale(entry.colour), label=DECORATION, **wide)
 
 
 def _mark_rests(

@@ -13,6 +13,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.path import Path
 
 from fiv_cli.errors import UsageError
 from fiv_cli.notation.names import listed
@@ -54,7 +55,9 @@ TOLD = 1e-9  # share of what a panel shows: errors that are less are those of an
 OF_UNDECIDED = "x"  # their mark
 LONG_LABEL = 36  # letters of an entry of a legend
 TO_SEE_DASHES = 4  # times the room between marks without it
-ERROR_BAR: dict[str, Any] = {"marker": "|", "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
+# With the caps of those that are drawn.
+CAPPED = Path([(-3, 6), (3, 6), (0, 6), (0, -6), (-3, -6), (3, -6)], [1, 2, 1, 2, 1, 2])
+ERROR_BAR: dict[str, Any] = {"marker": CAPPED, "ms": 8, "mew": 0.8, "ls": "none"}  # in the legend
 CLASS_COLOURS = {name.replace("_", " "): colour for name, colour in style.CLASSES.items()}
 
 _Parts = Mapping[int, points.Layer]

@@ -298,14 +298,24 @@ def _leaves(
     left = leaps.changes_over(
         y, starts.transpose(..., *array.isel(index).dims).values.reshape(-1, y.size)
     )
-    if name == "share":  # which may step as it likes, but for where an attractor ends
-        ends = (y[1:] % 1.0 == 0.0) | (y[:-1] % 1.0 == 0.0)
-        return left | ends & leaps.leaps(y, np.ones(y.size), (0.0, 1.0), logarithmic=False)
+    if name == "share":
+        return left | _ends_of_an_attractor(y)
     marks = [one.isel(index, missing_dims="ignore") for one in leaps.marks_of_motions(dataset)]
     plain = leaps.kinds(dataset).broadcast_like(array).isel(index).values
     kinds, surely = leaps.told_apart(plain, marks)
     shown, logarithmic = points.shown_of(settings, y), points.is_logarithmic(settings, "y")
     return left | leaps.leaps(y, kinds, shown, logarithmic, surely)
+
+
+def _ends_of_an_attractor(share: np.ndarray) -> np.ndarray:
+    """Between which neighbours all starts, or none, reach something on one side, and many others
+    on the other; else a share may step as it likes, and by a start or two there too."""
+    steps, last = np.abs(np.diff(share)), np.isin(share, (0.0, 1.0))
+    apart = np.diff(np.unique([0.0, 1.0, *share[np.isfinite(share)]]))
+    quantum = apart[apart > leaps.SAME].min()  # a start, or as many as it takes everywhere
+    is_great = steps > max(leaps.SEEN_ALONE, leaps.STEP * quantum)
+    leap = [leaps.leaps(one, np.ones(one.size), (0.0, 1.0), False) for one in (share, 1.0 - share)]
+    return np.asarray((last[1:] | last[:-1]) & is_great & (leap[0] | leap[1]))
 
 
 def _narrowed(

@@ -53,6 +53,7 @@ def draw_panel(
     bars are seen.
     """
     extent, barred = _extent([curve for curve, _ in lines], logarithmic), False
+    beneath = False
     classes = is_of_classes(variables)
     _name_sorts(ax, [curve for curve, _ in lines if curve.sort])
     lies_below, framed = any(not curve.sort for curve, _ in lines), False
@@ -68,6 +69,7 @@ def draw_panel(
         # lines of classes lie on one another: each is moved a little
         shift = classes * CLASS_SHIFT * (entry.number - lines[-1][1].number / 2)
         apart = classes or entry.scattered or not numeric
+        beneath |= bool(upon.any()) and not apart
         room_for = 0 if curve.of_crossings else most
         if not apart:
             framed |= _frame_hidden(ax, curve, entry, [other for other, _ in later])
@@ -76,6 +78,8 @@ def draw_panel(
         for named in _each_named(ax, curve, entry, apart, room_for):
             _plot(ax, curve, shift, named, apart, room_for, upon)
             barred |= _plot_errors(ax, curve, shift, named, extent * UNSEEN, logarithmic)
+    if beneath:
+        style.add_to_caption(ax.figure.figure, "a line beneath others is wider")
     if not classes:
         style.add_notes(ax.figure.figure, [*_of_one_colour(lines)])
     if framed:

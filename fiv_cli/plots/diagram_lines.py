@@ -42,8 +42,9 @@ CRITICAL: dict[str, Any] = {
     "zorder": 5,
 }  # fmt: skip
 FILLS = ("white", style.BLACK, style.GREY)  # of critical values of lines that share their colours
-# How much larger marks are beneath others so near, in points, and how near, of the whole axis.
-LARGER, UPON = 3.0, 0.012
+# How much larger marks are beneath others so near, in points, how near, of the whole axis, and
+# beneath how many.
+LARGER, UPON, MOST_UPON = 3.0, 0.012, 2
 TURN: dict[str, Any] = {"marker": "|", "ms": 9.0, "mew": 1.6, "ls": "none", "zorder": 4.7}
 
 
@@ -84,7 +85,7 @@ def mark_critical(
     """
     found = [pair for dataset in datasets for pair in _critical_of_lines(other, dataset, axis)]
     if not any(at.size for _, at, _ in found):
-        differs = listed(differing(other.dataset, datasets[0]))
+        differs = listed(differing(other.dataset, datasets[0])) if datasets else ""
         raise UsageError(
             f"{other.label}: no critical value of {axis.name} at parameters of this figure"
             f"{f' (of another {differs})' * bool(differs)}\n"
@@ -109,18 +110,23 @@ def mark_critical(
         told = points.unlisted(label, words) if colours else words
         told = f"{words}: {label}" if fill else told
         look = {"color": colours.get(label, style.BLACK), "mfc": fill or CRITICAL["mfc"]}
-        upon = [_is_near(at, later, UPON * np.ptp(x)) for later in places[number + 1 :]]
-        look["ms"] = CRITICAL["ms"] + LARGER * sum(upon)
+        if colours or fill:  # else they look alike
+            upon = [_is_near(at, later, UPON * np.ptp(x)) for later in places[number + 1 :]]
+            look["ms"] = CRITICAL["ms"] + LARGER * min(sum(upon), MOST_UPON)
         ax.plot(at, 0.0 * at, label=told, **CRITICAL | look)
     if colours:
         ax.plot([], [], label=words, **CRITICAL)
-    marked = np.concatenate(places)
+    _tell_of_those_beyond(ax, np.concatenate(places), x, f"{words} at", str(axis.name))
+
+
+def _tell_of_those_beyond(
+    ax: Axes, marked: np.ndarray, x: np.ndarray, words: str, axis: str
+) -> None:
+    """Note which places lie beyond the points along an axis."""
     beyond = np.unique(marked[(marked < x.min()) | (marked > x.max())])
     if beyond.size:
         told = listed([labels.number_text(value, beyond.tolist()) for value in beyond])
-        note = (
-            f"{words} at {told}: beyond the lines, which a wider {axis.name} in their case leads on"
-        )
+        note = f"{words} {told}: beyond the lines, which a wider {axis} in their case leads on"
         style.add_notes(ax.figure.figure, [*{note} - {*style.notes_on(ax.figure.figure)}])
 
 

@@ -456,7 +456,9 @@ def _layer(label: str, analyses: dict[str, xr.Dataset], figure: FigureSpec, kind
     selection = figure.settings.get("select", {}) if is_drawn else _selection_of(dataset, figure)
     others = [*(d for d in analyses.values() if d is not dataset), *lent(_lined(figure))]
     beside = tuple(_selected(d, _selection_of(d, figure)) for d in others)
-    narrowed = select.subset if is_drawn else _selected
+    # critical values lie over what is drawn of other files, and know of no starts
+    is_laid = "critical_value" in dataset and first and first[0] not in dataset
+    narrowed = select.subset if is_drawn and not is_laid else _selected
     of_lines = _axes_of_lines(figure, dataset, beside) - {*select.axis_names(dataset)}
     results = {name: selection[name] for name in selection if name in dataset.data_vars}
     own = {axis: selection[axis] for axis in selection if axis not in {*of_lines, *results}}

@@ -459,9 +459,11 @@ def _write_beside(
     free = inside.all(axis=1) & ~upon & (2.0 * gaps[0] < gaps[1])
     off = np.round(gaps[0] / (BY * height))  # what is off its line may be of another
     near = -np.minimum(gaps[1] - gaps[0], ENOUGH * height)
-    best = np.flatnonzero(free)[np.lexsort([key[free] for key in (near, off)])[:1]]
-    for place in places[best]:
-        nearest = own[np.linalg.norm(own - place, axis=1).argmin()]
+    feet = own[np.linalg.norm(own - places[:, None], axis=-1).argmin(axis=1)]
+    # a stroke from the end of a line would look like a bend of it
+    at_end = np.linalg.norm(feet[:, None] - line[[0, -1]], axis=-1).min(axis=1) < height
+    best = np.flatnonzero(free)[np.lexsort([key[free] for key in (near, off, at_end)])[:1]]
+    for place, nearest in zip(places[best], feet[best], strict=True):
         here, foot = map(tuple, ax.transData.inverted().transform([place, nearest]).tolist())
         colour, size = lines.get_edgecolor()[0], mpl.rcParams["legend.fontsize"]
         look: dict[str, Any] = {"ha": "center", "va": "center", "zorder": OVER_MARKS}

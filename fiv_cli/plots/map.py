@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import islice
+from itertools import cycle, islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -336,7 +336,7 @@ def _lines(
     wanted = levels.asked(str(planes.array.name), settings.get("level", []))
     of_numbers = [name for name, own in wanted.items() if not isinstance(own, str) and own]
     # lines of one colour have each a style of its own, the least dashed of critical ones
-    styles = {is_own: iter(levels.STYLES) for is_own in (True, False)}
+    styles = {is_own: cycle(levels.STYLES) for is_own in (True, False)}
     found: list[_Lines | CriticalLines] = [
         _critical(one, planes, name, own, next(styles[False]))
         for name, own in wanted.items()

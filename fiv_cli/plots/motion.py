@@ -155,8 +155,8 @@ def suits(dataset: xr.Dataset) -> bool:
 
 
 def what_it_is(dataset: xr.Dataset) -> str:
-    """A motion, or a cycle that is stable or not."""
-    reached = str(dataset.attrs.get(STEADY_STATE, ""))
+    """A motion, or a cycle: that which one has settled to, or one that is unstable."""
+    reached = str(dataset.attrs.get(STEADY_STATE, "")).replace("periodic", "cycle")
     return reached if reached.endswith("cycle") else "motion"
 
 

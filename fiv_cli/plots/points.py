@@ -383,8 +383,8 @@ def title(dataset: xr.Dataset, *others: xr.Dataset) -> str:
     words += [word for word in differs if word not in {*words, *told}]
     words += ["settled"] * all(map(is_settled, (dataset, *others)))
     words.append(str(dataset.attrs.get("without", "")))
-    words += [f"partial: {one.attrs['partial']}" for one in (dataset, *others)
-              if "partial" in one.attrs][:1]  # fmt: skip
+    if "partial" in dataset.attrs and not others:
+        words.append(f"partial: {dataset.attrs['partial']}")
     return "\n".join(part for part in (labels.title_of(dataset.attrs), joined(*words)) if part)
 
 
@@ -720,8 +720,8 @@ def _gap_rows(
 def _apart(ax: Axes, x: np.ndarray, others: np.ndarray) -> list[int]:
     """Which of some rising places are marked: the ends of each row, and all far from one before.
 
-    What lies beside one of the `others` is so only in a row that is too short for a mark elsewhere:
-    else the marks of two rows hide that there are some between.
+    What lies beside one of the `others` is so only where no mark of its row is near: else the marks
+    of two rows hide that there are some between.
     """
     both = np.concatenate([x, others])
     across = ax.transData.transform(np.column_stack([both, np.full(both.size, ax.get_ylim()[0])]))
@@ -733,9 +733,10 @@ def _apart(ax: Axes, x: np.ndarray, others: np.ndarray) -> list[int]:
             kept.append(number)
     row = np.searchsorted(np.sort(others), x)[kept]
     off = np.abs(places[kept, None] - beside).min(axis=1, initial=np.inf)
-    clear = off >= 0.5 * GAP_MARK * ax.figure.dpi / style.POINTS
-    alone = ~np.isin(row, row[clear])
-    return np.array(kept)[clear | alone].tolist()
+    wide = GAP_MARK * ax.figure.dpi / style.POINTS
+    clear = off >= 0.5 * wide
+    away = np.abs(places[kept, None] - places[kept][clear]).min(axis=1, initial=np.inf) > wide
+    return np.array(kept)[clear | away | ~np.isin(row, row[clear])].tolist()
 
 
 def _make_room_below(ax: Axes, share: float, lowest: float | None = None) -> None:

@@ -327,8 +327,8 @@ def tell(figure: Figure, words: str) -> None:
 
 
 def caption_of(figure: Figure) -> list[str]:
-    """All that was added to the caption of a figure."""
-    return _CAPTIONS.get(figure, [])
+    """All that was added to the caption of a figure, each once."""
+    return [*dict.fromkeys(_CAPTIONS.get(figure, []))]
 
 
 def look() -> Look:

@@ -332,7 +332,8 @@ def evaluate(
     except select.SelectionError as error:
         return Verdict(UNDETERMINED, str(error).replace("\n", "; "))
     speaks_of = select.subset(dataset, on_axes, nearest=False)
-    lacking = without_value(speaks_of, claim.variable, claim.take) if claim.take else ""
+    how = in_order(claim.take, claim.at) if claim.take else {}
+    lacking = without_value(speaks_of, claim.variable, how) if how else ""
     beside = filter(None, (trial.found, lacking, _of_filled(speaks_of, claim.variable)))
     trial = replace(trial, found=", ".join(beside))
     margin = float(part[ERROR].max()) if ERROR in part else 0.0

@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,7 +35,7 @@ from fiv_cli.reading.datasets import (
     unknown_points,
 )
 
-MOVING, MOST_COMPARED = "moving", 4
+MOVING = "moving"
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,7 @@ def taken(
         off = dataset[error_of(variable)].fillna(math.inf).where(array.notnull())
         interval[f"{what}_error"] = _moved(what, numbers(array), off, _dims(axes))
     if what in ("difference", "spread") and "attractor" in dataset:
-        interval[MOVING] = _moving(dataset["attractor"], axes)
+        interval[MOVING] = _moving(dataset["attractor"], axes, what)
     named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take, axes[0])}
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
@@ -127,29 +128,37 @@ def _looked_at(dataset: xr.Dataset, take: Mapping[str, Any]) -> xr.Dataset:
     axis = select.axis_of(dataset, take["over"][0])
     if axis.size < 2:
         raise select.SelectionError(f"{axis.name}: one value alone, which differs from no other")
-    ends = [0, -1]
-    if listed := take.get("listed"):
-        ends = [int(select.matching(axis, one, nearest=True).argmax()) for one in listed]
-    return dataset.isel({str(axis.dims[0]): [ends[0], ends[-1]]})
+    ends = _places_in(axis, take.get("listed", ()))
+    return dataset.isel({str(axis.dims[0]): [ends[0], ends[-1]] if len({*ends}) > 1 else [0, -1]})
+
+
+def _places_in(axis: xr.DataArray, listed: Sequence[Any]) -> list[int]:
+    """Where the entries of a list stand along an axis; none where one of them means several.
+
+    One that parameters which advance with it have left out stands nowhere.
+    """
+    found = []
+    for one in listed:
+        with suppress(select.SelectionError):
+            found.append(np.flatnonzero(select.matching(axis, one, nearest=False)).tolist())
+    return [place for (place,) in found] if all(len(own) == 1 for own in found) else []
 
 
 def in_order(take: Mapping[str, Any], selection: Mapping[str, Any]) -> dict[str, Any]:
     """What is taken, of a list of values of its axis the last less the first of this list."""
-    listed = selection.get(take["over"][0])
-    if take["what"] != "difference" or not isinstance(listed, list | tuple) or len(listed) < 2:
-        return {**take}
-    return {**take, "listed": [*listed]}
+    known = {name.replace(".", "_"): wanted for name, wanted in selection.items()}
+    listed = known.get(take["over"][0].replace(".", "_"))
+    return {**take, "listed": [*listed]} if isinstance(listed, list | tuple) else {**take}
 
 
-def _moving(attractor: xr.DataArray, axes: Sequence[xr.DataArray]) -> xr.DataArray:
-    """Which of what is compared vibrate: 0 none, 1 the first, 2 the second, 3 both, ...; of more
-    than a few whether any does."""
-    rests, dims = is_class(attractor, ("equilibrium",)), _dims(axes)
-    moving = (~rests).stack(compared=dims)
-    if moving["compared"].size > MOST_COMPARED:
-        return moving.any("compared").astype(int)
-    weights = xr.DataArray(2 ** np.arange(moving["compared"].size), dims="compared")
-    return (moving * weights).sum("compared")
+def _moving(attractor: xr.DataArray, axes: Sequence[xr.DataArray], what: str) -> xr.DataArray:
+    """Which of two ends vibrate: 0 none, 1 the first, 2 the last, 3 both; of what is spread 0 none,
+    1 some, 2 all."""
+    moving = ~is_class(attractor, ("equilibrium",))
+    dims = [dim for dim in _dims(axes) if dim in moving.dims]
+    if what == "spread":
+        return moving.any(dims).astype(int) + moving.all(dims)
+    return (moving * xr.DataArray([1, 2], dims=dims)).sum(dims) if dims else moving.astype(int)
 
 
 def _moved(what: str, array: xr.DataArray, off: xr.DataArray, dims: list[str]) -> xr.DataArray:
