@@ -33,7 +33,8 @@ from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.plots import draw, leaps, points, style
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.branch import stretches
-from fiv_cli.plots.cloud_marks import FINEST
+from fiv_cli.plots.cloud_marks import FINEST, _mark_gathered
+from fiv_cli.plots.clouds import Cloud
 from fiv_cli.plots.drawn import DECORATION, as_csv
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.style import BLACK, finer
@@ -197,6 +198,22 @@ def test_points_at_rest_of_one_start_are_squares_alone_and_a_partial_run_says_so
         assert bool({line.get_marker() for line in shown} - {"s"}) == has_others
     partial = found.assign_attrs(partial="30 of 46 points")
     assert "partial: 30 of 46 points" in draw(partial, figure("bifurcation")).get_suptitle()
+
+
+def test_undecided_values_in_one_place_are_seen_on_a_line():
+    """However little the motions of their own start differ: the legend told of what none saw."""
+    found = resting()
+    crowd = 0.03 + 1e-5 * np.random.default_rng(1).random(400)
+    every, none = np.ones(400, bool), np.zeros(0)
+    cloud = Cloud("", "near", np.full(400, 2.0), crowd, every, every, none, none, none, none)
+    ax = Figure().add_subplot()
+    entry = points.Entry("#0072B2", "-", "near", 0, False)
+    _mark_gathered(ax, cloud, entry, float(np.ptp(found["section_value"].values)))
+    (line,) = ax.lines
+    assert line.get_xydata() == pytest.approx(np.array([[2.0, np.median(crowd)]]))
+    assert line.get_zorder() > 3.5 and line.get_markeredgecolor() == entry.colour
+    _mark_gathered(ax, cloud, entry, 1e-6)  # of a figure in which they are a column
+    assert len(ax.lines) == 1
 
 
 def test_marks_of_gaps_stand_within_the_frame():

@@ -854,6 +854,8 @@ def test_a_level_is_not_written_over_its_whole_line():
             levels.draw(ax, array, places, [[plane]], [2.0], "black")
         (text,) = ax.texts
         assert isinstance(text, Annotation) != is_written  # else beside, with a stroke
+        if not is_written:  # which does not look like a bend at the end of the line
+            assert abs(text.xy[0] - 0.5) < 0.3 * width
 
 
 @pytest.mark.parametrize("width", [60.0, 84.0, 200.0])

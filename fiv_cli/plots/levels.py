@@ -58,6 +58,7 @@ STEP = 0.25  # between points of other lines, in heights of letters
 BY, MOST_BESIDE = 0.3, 30
 ENOUGH = 0.5  # of these heights, by which another line is further off: then rather at the middle
 WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (0, 1)], float)
+AT_END = 0.25  # of the length of a line: where a stroke to it would look like a bend
 PAD = 0.25  # around a level that is written, in heights of its letters
 STROKE: Any = {"arrowstyle": "-", "lw": 0.8, "shrinkA": 0.0, "shrinkB": 0.0}
 # To each side of a level on its line, of the height of letters; of that: its place there.
@@ -447,7 +448,7 @@ def _write_beside(
     height, half, pixels = _height(ax), _half_of(ax, text), ax.transData.transform
     own, far, hidden = (_lying(ax, pieces) for pieces in (_pieces(lines), others, marks))
     line = max((pixels(piece) for piece in _pieces(lines)), key=_extent, default=own)
-    line = _thinned(line, MOST_BESIDE)
+    line = _thinned(_dense(line, STEP * height), MOST_BESIDE)
     middle = line[np.argsort(np.abs(np.arange(len(line)) - len(line) // 2))]
     places = (middle[:, None] + WAYS * (half + BY * height)).reshape(-1, 2)
     texts = np.reshape([pixels(one.get_position()) for one in ax.texts], (-1, 2))
@@ -460,8 +461,8 @@ def _write_beside(
     off = np.round(gaps[0] / (BY * height))  # what is off its line may be of another
     near = -np.minimum(gaps[1] - gaps[0], ENOUGH * height)
     feet = own[np.linalg.norm(own - places[:, None], axis=-1).argmin(axis=1)]
-    # a stroke from the end of a line would look like a bend of it
-    at_end = np.linalg.norm(feet[:, None] - line[[0, -1]], axis=-1).min(axis=1) < height
+    off_ends = np.linalg.norm(feet[:, None] - line[[0, -1]], axis=-1).min(axis=1)
+    at_end = off_ends < AT_END * _way(line)[-1]
     best = np.flatnonzero(free)[np.lexsort([key[free] for key in (near, off, at_end)])[:1]]
     for place, nearest in zip(places[best], feet[best], strict=True):
         here, foot = map(tuple, ax.transData.inverted().transform([place, nearest]).tolist())
