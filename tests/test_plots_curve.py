@@ -27,7 +27,7 @@ from plotted import (
 
 from fiv_cli import api
 from fiv_cli.errors import UsageError
-from fiv_cli.plots import draw, legends, look_of, points, save, style
+from fiv_cli.plots import draw, leaps, legends, look_of, points, save, style
 from fiv_cli.plots.curve_lines import Curve
 from fiv_cli.plots.curve_panel import _hidden, _plot
 from fiv_cli.plots.drawn import as_csv, in_one_line
@@ -341,6 +341,17 @@ def test_a_long_entry_of_a_legend_is_folded_where_others_stand_beside_it_then():
     alone = Figure(figsize=(6.4, 4.0), layout="constrained")
     legends.legend_below(alone, [alone.add_subplot().plot([], [], label=long[:60])[0]])
     assert "\n" not in alone.legends[0].get_texts()[0].get_text()
+
+
+def test_cycles_of_ever_other_multiplicity_are_no_line():
+    """One dash-dot line led through cycles of 10, 9, 11 and 23 section points per period."""
+    for passages, told in (
+        ([1, 1, 2, 2, 4, 4], [False] * 5),
+        ([1, 1, 9, 11, 4, 4], [False, True, True, True, False]),
+        ([1, 0, 2, 0, 4, 4], [False] * 5),  # of which none passes there is no number
+    ):
+        kinds = np.array(passages, float) + leaps.MANY * np.array([0, 1, 0, 1, 0, 1])
+        assert leaps.of_changing_passages(kinds).tolist() == told
 
 
 def test_branches_and_critical_values_lie_over_amplitudes_whichever_file_comes_first():

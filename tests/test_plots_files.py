@@ -60,6 +60,9 @@ def test_a_caption_has_the_law_and_the_few_starts_of_a_table_and_all_that_advanc
     left = left.assign_attrs(case="[model]\nparameters = { k = 2.0 }\n")
     (note,) = style.notes_on(draw(left, figure("curve"), look=look_of("paper")))
     assert "; by default F = 1000 N; " in note  # and not what is 0
+    many = left.assign_coords({f"p{n}": ((), 1.0 + n) for n in range(9)})
+    (note,) = style.notes_on(draw(many, figure("curve"), look=look_of("paper")))
+    assert "; 10 parameters by default (fiv models " in note  # which not all options need
     given = left.assign_attrs(case="[model]\nparameters = { F = 1000.0 }\n")
     (note,) = style.notes_on(draw(given, figure("curve"), look=look_of("paper")))
     assert "F = 1000 N" in note and "by default" not in note

@@ -11,11 +11,12 @@ import pytest
 import synthetic_datasets as data
 import xarray as xr
 from matplotlib.collections import LineCollection, QuadMesh
+from matplotlib.figure import Figure
 from plotted import SLIP_MINUS, SLIP_PLUS, figure, legend_texts, marks
 
 from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import REASON
-from fiv_cli.plots import draw, look_of, motion, style
+from fiv_cli.plots import draw, look_of, motion, spectrum, style
 from fiv_cli.plots.drawn import as_csv
 from fiv_cli.plots.spectrum import amplitude_spectrum
 from fiv_cli.reading import sampling
@@ -763,3 +764,15 @@ def test_ticks_along_x_leave_each_other_room_however_long_they_are(width, ends):
     seen = [box for box in boxes if ax.bbox.x0 <= 0.5 * (box.x0 + box.x1) <= ax.bbox.x1]
     gaps = [after.x0 - before.x1 for before, after in pairwise(seen)]
     assert len(gaps) > 1 and min(gaps) > 0.3 * seen[0].height
+
+
+def test_upright_lines_stand_aside_of_one_another_alone():
+    """Beside the spectrum of a chaotic motion those of a period stood 4 % off their frequency."""
+    frequency = np.array([1.0, 2.0, 3.0])
+    lines, curve = spectrum.upright(frequency, frequency), (frequency, frequency)
+    for spectra, is_moved in (([lines, curve], False), ([lines, curve, lines], True)):
+        ax = Figure().add_subplot(xlim=(0.0, 4.0))
+        spectrum._plot_among(ax, 0, spectra)
+        (line,) = ax.lines
+        place, there = (of.transform((1.0, 0.0)) for of in (line.get_transform(), ax.transData))
+        assert (place[0] != pytest.approx(there[0])) == is_moved

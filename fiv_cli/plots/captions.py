@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 
 OF_TABLE = re.compile(r"[- ]\d{3,}$")  # the number of a start of a table in its label
+MOST_DEFAULTS = 8  # of a model whose every parameter counts
 MOST_STARTS = 5  # of a table that a caption has room for
 
 
@@ -48,11 +49,15 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
 
 
 def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
-    """The parameters that cases leave as they are in the model, but what is 0; together."""
+    """The parameters that cases leave as they are in the model, but what is 0; of many, which not
+    every option needs, where they stand."""
     names = [str(name) for name, axis in datasets[0].coords.items() if axis.dtype.kind == "f"]
     held = [[_held(one, name) for one in datasets] for name in names if name not in given]
     alike = [one[0][0] for one in held if one[0] and all(own == one[0] for own in one)]
     told = [word for word in alike if word.rpartition(" = ")[2].split()[0] != "0"]
+    if len(told) > MOST_DEFAULTS:
+        model = datasets[0].attrs.get("model", "MODEL")
+        return [f"{len(told)} parameters by default (fiv models {model})"]
     return [f"by default {', '.join(told)}"] * bool(told)
 
 

@@ -33,6 +33,7 @@ AMONG_DOTS: dict[str, Any] = {"ls": (0, (0.01, 3.85)), "lw": 1.3, "dash_capstyle
 ROW_OF_DOTS: dict[str, Any] = {"ls": (0, (0.01, 2.0)), "lw": 1.2, "dash_capstyle": "round"}
 TURNS = 4  # in which the dots of crowds are drawn: those of several starts are all seen
 ONE_PLACE = 0.01  # of the extent of all clouds: values that lie so close are one mark
+OVER_ENDS = 4.6  # of marks that lie over those of the ends of branches, and are seen there
 EDGE = 0.5  # pt: of marks that lie on lines of another colour
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
@@ -158,7 +159,7 @@ def _mark_some(
         _mark_rests(ax, own, entry, APART, sorts, resting, squares, len(pairs) == 1)
     for line in ax.lines[before:]:
         label = str(line.get_label())
-        line.set_label(DECORATION)  # a table has these values as dots
+        line.set(label=DECORATION, zorder=OVER_ENDS)  # a table has these values as dots
         if not label.startswith("_"):
             (key,) = ax.plot([], [])
             key.update_from(line)

@@ -303,6 +303,7 @@ def _leaves(
     marks = [one.isel(index, missing_dims="ignore") for one in leaps.marks_of_motions(dataset)]
     plain = leaps.kinds(dataset).broadcast_like(array).isel(index).values
     kinds, surely = leaps.told_apart(plain, marks)
+    left = left | leaps.of_changing_passages(plain)
     shown, logarithmic = points.shown_of(settings, y), points.is_logarithmic(settings, "y")
     return left | leaps.leaps(y, kinds, shown, logarithmic, surely)
 

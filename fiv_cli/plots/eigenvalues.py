@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.patheffects import withStroke
 from scipy.ndimage import label
 
 from fiv_cli.errors import UsageError
@@ -36,7 +35,7 @@ MARKED = 40  # unstable points of a line that have a mark, about
 # Of several lines of a mode what is unstable is a band beneath: their dashes are seen.
 BAND: dict[str, Any] = {
     "color": "#F6C3A0", "lw": 4.0, "marker": "o", "ms": 4.0, "mew": 0.0, "zorder": 1.5,
-    "solid_capstyle": "butt", "path_effects": [withStroke(linewidth=5.6, foreground="white")],
+    "solid_capstyle": "butt",
 }  # fmt: skip
 DOTS: dict[str, Any] = {
     "color": style.VERMILLION, "ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0, "zorder": 4

@@ -48,6 +48,15 @@ def kinds(dataset: xr.Dataset) -> xr.DataArray:
     return passages.fillna(0.0) + MANY * sticks
 
 
+def of_changing_passages(kinds: np.ndarray) -> np.ndarray:
+    """Between which neighbours how often cycles pass the section changes, and beside it again: no
+    three points are of one branch there."""
+    passages = kinds % MANY
+    changes = (passages[1:] != passages[:-1]) & (passages[1:] > 0.0) & (passages[:-1] > 0.0)
+    again = np.pad(changes, 1)
+    return np.asarray(changes & (again[:-2] | again[2:]))
+
+
 def marks_of_motions(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
     """What leaps, one or the other, where a line goes over to another cycle of the same kind."""
     shares = [name for name in map(str, dataset) if name.endswith("_fraction")]

@@ -52,6 +52,7 @@ RIM = 0.5  # pt: of points that lines would cover
 FEW, UNEVEN = 8, 1.5
 FINE = 40  # points along an axis, of which more have cells as narrow as a line
 MOST_COUNTS = 12  # that have a shade each
+NOT_RUN = "where it may be, points were filled in, which have a class and no number"
 MOST_STARTS = 3  # of which each has lines of its own over a map that is taken over them
 MIDDLE = "undecided points: middle of least and greatest"
 # Whether there is less, and more, than a colour bar holds -> how that is shown.
@@ -296,7 +297,9 @@ class _Lines:
     def missed(self) -> list[str]:
         """Why there is no line, of each level that has none; undecided points have none."""
         moving = bool(self.planes.on_its_way.any())
-        told = level_notes.missed(self.planes.array, self.ends, self.levels)
+        told = [*level_notes.missed(self.planes.array, self.ends, self.levels)]
+        if _filled_without(self.planes):
+            told = [why.replace(level_notes.IN_A_JUMP, NOT_RUN) for why in told]
         return [f"{why}{', as far as points are decided' * moving}" for why in told]
 
     @property

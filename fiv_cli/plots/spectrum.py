@@ -8,7 +8,7 @@ transform of its samples.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import matplotlib as mpl
 import numpy as np
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.text import Annotation
+
+    _Shape: TypeAlias = tuple[np.ndarray, np.ndarray]  # frequencies, amplitudes
 
 FREQUENCIES = {"Hz": ("f", "Hz"), "rad/s": (r"\omega", "rad/s")}  # symbol, unit
 STEADY, GROWING = "amplitude", "unstable_frequency"
@@ -164,7 +166,7 @@ def _draw_steady(dataset: xr.Dataset, settings: points.Settings) -> Figure:
         x, height = spectra[number]
         place, words = _fundamental(dataset.isel(line.index), (x, height), settings)
         label = points.joined(line.label, words) if len(lines) > 1 else line.label
-        _plot_among(ax, x, height, number, len(lines), color=colour, label=label)
+        _plot_among(ax, number, spectra, color=colour, label=label)
         if words and len(lines) == 1:  # words of several would lie on one another
             written = ax.annotate(
                 words, (x[place], height[place]), (0.0, 2.0), textcoords="offset points",
@@ -221,19 +223,24 @@ def _shape(motion: xr.Dataset, settings: points.Settings) -> tuple[np.ndarray, n
     return upright(harmonics, height[kept])
 
 
-def _plot_among(
-    ax: Axes, x: np.ndarray, height: np.ndarray, number: int, count: int, **look: Any
-) -> None:
-    """One of so many spectra, which is seen: upright lines beside others, else one behind them."""
-    is_upright = bool(np.isnan(height).any())
-    width = UPRIGHT * (1 if is_upright else 1 + (count - 1 - number) / count)
+def _plot_among(ax: Axes, number: int, spectra: Sequence[_Shape], **look: Any) -> None:
+    """One of some spectra, which is seen: upright lines beside others, else one behind them."""
+    (x, height), count = spectra[number], len(spectra)
+    of_lines = _of_lines(spectra)
+    width = UPRIGHT * (1 if number in of_lines else 1 + (count - 1 - number) / count)
     (line,) = ax.plot(x, height, lw=width, solid_capstyle="butt", **look)
-    if is_upright:
+    if number in of_lines:
         leave_out(line, np.column_stack([x, 0.0 * x]))  # their feet
         # they are moved when the panel has its limits, which are those of values
-        aside = (number - 0.5 * (count - 1)) * _step(count)
+        place = of_lines.index(number) - 0.5 * (len(of_lines) - 1)
         scale = ax.figure.dpi_scale_trans
-        line.set_transform(ax.transData + ScaledTranslation(aside, 0.0, scale))
+        aside = ScaledTranslation(place * _step(len(of_lines)), 0.0, scale)
+        line.set_transform(ax.transData + aside)
+
+
+def _of_lines(spectra: Sequence[_Shape]) -> list[int]:
+    """Which of some spectra are upright lines."""
+    return [n for n, (_, y) in enumerate(spectra) if np.isnan(y).any() and (y > 0.0).any()]
 
 
 def _step(count: int) -> float:
@@ -241,11 +248,11 @@ def _step(count: int) -> float:
     return min(ASIDE, MOST_ASIDE / count) * UPRIGHT * style.weight() / style.POINTS
 
 
-def _moved(ax: Axes, spectra: Sequence[tuple[np.ndarray, np.ndarray]]) -> Iterator[str]:
+def _moved(ax: Axes, spectra: Sequence[_Shape]) -> Iterator[str]:
     """What to do where lines stand beside their frequency by a good part of the first of these."""
-    count = len(spectra)
-    uprights = [(x, y) for x, y in spectra if np.isnan(y).any() and (y > 0.0).any()]
-    if count < 2 or not uprights or ax.get_xscale() == "log":
+    count = len(_of_lines(spectra))
+    uprights = [spectra[number] for number in _of_lines(spectra)]
+    if count < 2 or ax.get_xscale() == "log":
         return
     first = min(x[y > TALL * np.nanmax(y)].min(initial=np.inf) for x, y in uprights)
     low, high = ax.get_xlim()
@@ -301,7 +308,7 @@ def _draw_motions(dataset: xr.Dataset, settings: points.Settings) -> Figure:
     moved = [note for ax, own in zip(axes, spectra, strict=True) for note in _moved(ax, own)]
     cut = _cut(highest, max(_highest(own, WORTH_DECADES) for own in spectra), decades, settings)
     style.add_notes(figure, [*moved, *cut])
-    if any(len(own) > 1 and any(np.isnan(y).any() for _, y in own) for own in spectra):
+    if any(len(_of_lines(own)) > 1 for own in spectra):
         style.add_to_caption(figure, "lines of one frequency stand side by side")
     return figure
 
@@ -322,16 +329,16 @@ def _draw_spectra(
     ax: Axes,
     dataset: xr.Dataset,
     shown: Sequence[tuple[motion.Motion, str]],
-    spectra: Sequence[tuple[np.ndarray, np.ndarray]],
+    spectra: Sequence[_Shape],
     names: Sequence[str],
     settings: points.Settings,
 ) -> None:
     """The lines of one panel, and what its ordinate is called."""
-    for number, ((one, name), (x, height)) in enumerate(zip(shown, spectra, strict=True)):
+    for number, (one, name) in enumerate(shown):
         label = points.joined(one.label, motion.label_of(dataset[name], settings))
         label = label if len(shown) > 1 else points.unlisted(label)  # at its ordinate
         colour = style.line_colours(len(shown))[number]
-        _plot_among(ax, x, height, number, len(shown), color=colour, label=label)
+        _plot_among(ax, number, spectra, color=colour, label=label)
     unit = labels.unit_text(str(dataset[names[0]].attrs.get("units", "1")))
     several = f" ({unit})" if unit else ""
     alone = f" of {motion.label_of(dataset[names[0]], settings)}"
@@ -360,7 +367,7 @@ def _is_closed(one: motion.Motion) -> bool:
 
 def _frame(
     ax: Axes,
-    spectra: Sequence[tuple[np.ndarray, np.ndarray]],
+    spectra: Sequence[_Shape],
     settings: points.Settings,
     highest: float,
 ) -> None:
@@ -376,14 +383,14 @@ def _frame(
         ax.set_ylim(top * 10.0**-LOG_DECADES, 10.0 * top)
 
 
-def _highest(spectra: Sequence[tuple[np.ndarray, np.ndarray]], decades: float) -> float:
+def _highest(spectra: Sequence[_Shape], decades: float) -> float:
     """The highest frequency at which an amplitude is seen beside the largest."""
     known = _seen(spectra)
     foot = max((height.max(initial=0.0) for _, height in known), default=0.0) * 10.0**-decades
     return float(max((x[height > foot].max(initial=0.0) for x, height in known), default=0.0))
 
 
-def _seen(spectra: Sequence[tuple[np.ndarray, np.ndarray]]) -> list[tuple[np.ndarray, np.ndarray]]:
+def _seen(spectra: Sequence[_Shape]) -> list[tuple[np.ndarray, np.ndarray]]:
     """What is above zero."""
     return [(x[height > 0.0], height[height > 0.0]) for x, height in spectra]
 

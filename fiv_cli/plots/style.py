@@ -47,7 +47,7 @@ MARKS = (
 DOT_AMONG_MARKS = [marker for marker, _ in MARKS].index(".")
 LINES = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 COLOUR_ALONE: dict[str, Any] = {"lw": 5.0, "solid_capstyle": "butt"}  # a key that is no mark
-DASHES = ("-", "--", "-.", (0, (5, 1.5, 1, 1.5, 1, 1.5)))
+DASHES = ("-", "--", "-.", (0, (3.2, 1, 1, 1, 1, 1)))
 
 CLASSES = {
     "equilibrium": SKY,
