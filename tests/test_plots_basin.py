@@ -227,7 +227,12 @@ def test_a_motion_lies_over_the_basins_at_its_parameters(turned):
 def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
     of_cycle = _motion_in_x(2.0).assign_attrs(steady_state="unstable cycle")
     settled = _motion_in_x(2.0).assign_attrs(steady_state="periodic")
-    words = ((_motion_in_x(2.0), "motion"), (of_cycle, "unstable cycle"), (settled, "cycle"))
+    words = (
+        (_motion_in_x(2.0), "motion"),
+        (of_cycle, "unstable cycle"),
+        (settled, "cycle"),
+        (settled.assign_attrs(steady_state="quasiperiodic"), "motion"),
+    )
     for one, word in words:
         (ax,) = draw([("", data.basin(speeds=(1.0,))), ("", one)], figure("basin")).axes
         assert [*_lines_over(ax)] == [word]
@@ -362,6 +367,8 @@ def test_a_share_that_leaps_is_not_drawn_as_a_decline():
         (np.arange(36, 0, -4), False),
         (gradual, False),
         (40 - gradual, False),
+        (np.r_[[40] * 5, [0] * 4], True),
+        (np.r_[[28] * 5, [0] * 4], True),
     ):
         classes = np.where(np.arange(count) < kept[:, None], "periodic", "equilibrium")
         axes = data.axes(v=speeds, initial=starts)

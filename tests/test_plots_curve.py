@@ -347,6 +347,7 @@ def test_cycles_of_ever_other_multiplicity_are_no_line():
     """One dash-dot line led through cycles of 10, 9, 11 and 23 section points per period."""
     for passages, told in (
         ([1, 1, 2, 2, 4, 4], [False] * 5),
+        ([1, 1, 2, 4, 8, 8], [False] * 5),  # whose period doubles
         ([1, 1, 9, 11, 4, 4], [False, True, True, True, False]),
         ([1, 0, 2, 0, 4, 4], [False] * 5),  # of which none passes there is no number
     ):

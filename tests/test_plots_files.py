@@ -63,6 +63,9 @@ def test_a_caption_has_the_law_and_the_few_starts_of_a_table_and_all_that_advanc
     many = left.assign_coords({f"p{n}": ((), 1.0 + n) for n in range(9)})
     (note,) = style.notes_on(draw(many, figure("curve"), look=look_of("paper")))
     assert "; 10 parameters by default (fiv models " in note  # which not all options need
+    by_hand = left.assign_attrs(overrides="model.parameters.F=1000.0")
+    (note,) = style.notes_on(draw(by_hand, figure("curve"), look=look_of("paper")))
+    assert "by default" not in note
     given = left.assign_attrs(case="[model]\nparameters = { F = 1000.0 }\n")
     (note,) = style.notes_on(draw(given, figure("curve"), look=look_of("paper")))
     assert "F = 1000 N" in note and "by default" not in note
@@ -72,6 +75,7 @@ def test_a_caption_has_the_law_and_the_few_starts_of_a_table_and_all_that_advanc
     ).drop_vars("pair")
     told = style.notes_on(draw(together, figure("curve"), look=look_of("paper")))
     assert "c1 = 20 N s/m, c2 = 4 N s/m" in told[-1].replace("_", "")
+    assert "by default" not in told[-1]  # what advances together is none
 
 
 def test_ticks_are_in_the_power_of_ten_that_the_label_has_beside_the_unit(tmp_path):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.case.overrides import parse_override
 from fiv_cli.plots import branch, style
 from fiv_cli.plots.drawn import in_one_line
 from fiv_cli.plots.labels import title_of, unit_text, value_label
@@ -32,7 +33,9 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     below = str(drawn.get_label()).removeprefix(title_of(datasets[0].attrs)).splitlines()
     said = {word for line in below for word in line.split(", ")}
     names = [*dict.fromkeys(name for dataset in datasets for name in _given(dataset))]
-    names = [n for n in names if not any(branch.leads_along(one, n) for one in datasets)]
+    led = {str(n) for one in datasets for n in one.coords if branch.leads_along(one, str(n))}
+    known = {*names, *led, *(name for one in datasets for name in _set_by_hand(one))}
+    names = [name for name in names if name not in led]
     swept = [one for one in datasets if "crossing" not in one.dims]  # others mark places alone
     every = [
         _of_all([_held(one, name) for one in datasets], [_held(one, name) for one in swept])
@@ -42,7 +45,7 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     with_starts = [one for one in datasets if "initial" in one or "share" in one]
     of_each = [[*_random_starts(one), *_starts_of_a_table(one)] for one in with_starts]
     starts = of_each[0] if of_each and all(own == of_each[0] for own in of_each) else []
-    left = _by_default(datasets, {*names})
+    left = _by_default(datasets, known)
     told = [*filter(None, below), ", ".join(given), *left, *starts, *style.caption_of(drawn)]
     words = in_one_line("; ".join(filter(None, told)))
     return [f"for the caption: {words}"] * bool(words)
@@ -51,7 +54,8 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
 def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
     """The parameters that cases leave as they are in the model, but what is 0; of many, which not
     every option needs, where they stand."""
-    names = [str(name) for name, axis in datasets[0].coords.items() if axis.dtype.kind == "f"]
+    fixed = (axis for axis in datasets[0].coords.values() if not axis.ndim)
+    names = [str(axis.name) for axis in fixed if axis.dtype.kind == "f"]
     held = [[_held(one, name) for one in datasets] for name in names if name not in given]
     alike = [one[0][0] for one in held if one[0] and all(own == one[0] for own in one)]
     told = [word for word in alike if word.rpartition(" = ")[2].split()[0] != "0"]
@@ -59,6 +63,12 @@ def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
         model = datasets[0].attrs.get("model", "MODEL")
         return [f"{len(told)} parameters by default (fiv models {model})"]
     return [f"by default {', '.join(told)}"] * bool(told)
+
+
+def _set_by_hand(dataset: xr.Dataset) -> set[str]:
+    """The names of what the run of a dataset was given on the command line."""
+    lines = (dataset.attrs.get(name, "").splitlines() for name in ("overrides", "overridden"))
+    return {parse_override(line).keys[-1] for own in lines for line in own}
 
 
 def _given(dataset: xr.Dataset) -> Iterator[str]:

@@ -159,7 +159,8 @@ def _mark_some(
         _mark_rests(ax, own, entry, APART, sorts, resting, squares, len(pairs) == 1)
     for line in ax.lines[before:]:
         label = str(line.get_label())
-        line.set(label=DECORATION, zorder=OVER_ENDS)  # a table has these values as dots
+        # a table has these values as dots; what lies over another mark does so still
+        line.set(label=DECORATION, zorder=OVER_ENDS + 0.1 * (line.get_zorder() - 4.0))
         if not label.startswith("_"):
             (key,) = ax.plot([], [])
             key.update_from(line)

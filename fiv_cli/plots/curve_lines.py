@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 VARIABLE, DATASET = "variable", "dataset"  # what tells lines apart beside dims
+MANY_STARTS = 0.45  # of all: however few these are, where so many part an attractor ends
 DOT: dict[str, Any] = {"marker": ".", "ms": 3}
 TOO_SHORT = 2  # points, at most, of a piece that does not show what its dashes are
 SORT_MARKS = (("o", 3.0), ("x", 4.5), ("^", 4.0), ("+", 5.5), ("D", 3.0), ("v", 4.0))
@@ -299,7 +300,8 @@ def _leaves(
         y, starts.transpose(..., *array.isel(index).dims).values.reshape(-1, y.size)
     )
     if name == "share":
-        return left | _ends_of_an_attractor(y)
+        starts = dataset.get(_standard_error(name), array).attrs.get("starts", 0)
+        return left | _ends_of_an_attractor(y, starts)
     marks = [one.isel(index, missing_dims="ignore") for one in leaps.marks_of_motions(dataset)]
     plain = leaps.kinds(dataset).broadcast_like(array).isel(index).values
     kinds, surely = leaps.told_apart(plain, marks)
@@ -308,13 +310,13 @@ def _leaves(
     return left | leaps.leaps(y, kinds, shown, logarithmic, surely)
 
 
-def _ends_of_an_attractor(share: np.ndarray) -> np.ndarray:
-    """Between which neighbours all starts, or none, reach something on one side, and many others
-    on the other; else a share may step as it likes, and by a start or two there too."""
+def _ends_of_an_attractor(share: np.ndarray, starts: int) -> np.ndarray:
+    """Between which neighbours all of some starts, or none, reach something on one side, and many
+    others on the other; else a share may step as it likes, and by a start or two there too."""
     steps, last = np.abs(np.diff(share)), np.isin(share, (0.0, 1.0))
     apart = np.diff(np.unique([0.0, 1.0, *share[np.isfinite(share)]]))
-    quantum = apart[apart > leaps.SAME].min()  # a start, or as many as it takes everywhere
-    is_great = steps > max(leaps.SEEN_ALONE, leaps.STEP * quantum)
+    quantum = 1.0 / starts if starts else apart[apart > leaps.SAME].min()
+    is_great = steps > max(leaps.SEEN_ALONE, min(leaps.STEP * quantum, MANY_STARTS))
     leap = [leaps.leaps(one, np.ones(one.size), (0.0, 1.0), False) for one in (share, 1.0 - share)]
     return np.asarray((last[1:] | last[:-1]) & is_great & (leap[0] | leap[1]))
 

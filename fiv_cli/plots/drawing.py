@@ -317,8 +317,13 @@ def _layers(files: Sequence[_File], figure: FigureSpec, kind: Kind) -> list[Laye
     if (figure.kind in OF_LINES or along_starts) and "take" not in figure.settings:
         layers = [replace(one, dataset=_few_named(one.dataset)) for one in layers]
     if len(layers) > 1:  # each of them is called by what it differs in
-        layers = [replace(one, dataset=one.dataset.assign_attrs(overrides="")) for one in layers]
+        layers = [replace(one, dataset=_untold(one.dataset)) for one in layers]
     return layers
+
+
+def _untold(dataset: xr.Dataset) -> xr.Dataset:
+    """Whose title does not tell what was set on the command line."""
+    return dataset.assign_attrs(overrides="", overridden=dataset.attrs.get("overrides", ""))
 
 
 def _few_named(dataset: xr.Dataset) -> xr.Dataset:

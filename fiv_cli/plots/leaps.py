@@ -50,9 +50,10 @@ def kinds(dataset: xr.Dataset) -> xr.DataArray:
 
 def of_changing_passages(kinds: np.ndarray) -> np.ndarray:
     """Between which neighbours how often cycles pass the section changes, and beside it again: no
-    three points are of one branch there."""
+    three points are of one branch there, but for one whose period doubles."""
     passages = kinds % MANY
-    changes = (passages[1:] != passages[:-1]) & (passages[1:] > 0.0) & (passages[:-1] > 0.0)
+    low, high = np.minimum(passages[1:], passages[:-1]), np.maximum(passages[1:], passages[:-1])
+    changes = (low > 0.0) & (high > low) & (high != 2.0 * low)
     again = np.pad(changes, 1)
     return np.asarray(changes & (again[:-2] | again[2:]))
 

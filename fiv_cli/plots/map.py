@@ -299,7 +299,8 @@ class _Lines:
         moving = bool(self.planes.on_its_way.any())
         told = [*level_notes.missed(self.planes.array, self.ends, self.levels)]
         if _filled_without(self.planes):
-            told = [why.replace(level_notes.IN_A_JUMP, NOT_RUN) for why in told]
+            either = f"{NOT_RUN}; or {level_notes.IN_A_JUMP}"
+            told = [why.replace(level_notes.IN_A_JUMP, either) for why in told]
         return [f"{why}{', as far as points are decided' * moving}" for why in told]
 
     @property

@@ -156,7 +156,8 @@ def suits(dataset: xr.Dataset) -> bool:
 
 def what_it_is(dataset: xr.Dataset) -> str:
     """A motion, or a cycle: that which one has settled to, or one that is unstable."""
-    reached = str(dataset.attrs.get(STEADY_STATE, "")).replace("periodic", "cycle")
+    reached = str(dataset.attrs.get(STEADY_STATE, ""))
+    reached = "cycle" if reached == "periodic" else reached
     return reached if reached.endswith("cycle") else "motion"
 
 

@@ -139,8 +139,10 @@ def _places_in(axis: xr.DataArray, listed: Sequence[Any]) -> list[int]:
     """
     found = []
     for one in listed:
-        with suppress(select.SelectionError):
-            found.append(np.flatnonzero(select.matching(axis, one, nearest=False)).tolist())
+        for nearest in (False, True):  # as what chose them may have taken the nearest
+            with suppress(select.SelectionError):
+                found.append(np.flatnonzero(select.matching(axis, one, nearest=nearest)).tolist())
+                break
     return [place for (place,) in found] if all(len(own) == 1 for own in found) else []
 
 
