@@ -326,7 +326,7 @@ LEAST, MEAN, SPREAD = ({"what": what, "over": ["mu_k"]} for what in ("least", "m
 SHARE, ENTRIES = ({**LEAST, "what": what, "of": ". > 2"} for what in ("share", "entries"))
 
 
-@settings(max_examples=15)
+@settings(max_examples=30)
 @given(
     st.tuples(*[st.tuples(st.integers(1, 4), st.sampled_from([0, 1]))] * 2),
     st.sampled_from([{"less_than": 2.5}, {"between": [2, 3]}, "increasing"]),

@@ -21,7 +21,7 @@ schema = 1
 name = "pin-on-disc"
 parameters = { Omega = 5.0 }
 [grid]
-N0 = [20.0, 40.0]
+N0 = [20.0, 30.0, 40.0]
 mu_k = { start = 0.05, stop = 0.37, num = 3 }
 [sweep]
 refine = { levels = 2, of = "attractor", along = ["mu_k"], sample = 1 }
@@ -70,7 +70,8 @@ def test_however_it_is_run(tmp_path: Path, cluster: LoopbackCluster) -> None:
 
     run("reference")
     run("four", workers=4, chunk_points=3)
-    for place, points in (("", 4), (cluster.address, 5)):
+    run("cluster", cluster=cluster.address, chunk_points=2)
+    for place, points in ((cluster.address, 3), ("", 4), (cluster.address, 5)):
         run("here and there", cluster=place, max_points=points, chunk_points=points)
     run("here and there", workers=2, chunk_points=1)
     run("parts", part=Part(3, 3), chunk_points=1)
@@ -80,7 +81,7 @@ def test_however_it_is_run(tmp_path: Path, cluster: LoopbackCluster) -> None:
     assert assemble_case(case, tmp_path / "parts.nc")[1] == []
     expected = (tmp_path / "reference.nc").read_bytes()
     found = {path.stem: path.read_bytes() == expected for path in tmp_path.glob("*.nc")}
-    assert len(found) == 4
+    assert len(found) == 5
     assert all(found.values()), found
 
 

@@ -309,7 +309,12 @@ def test_of_a_difference_the_ends_of_the_axis_alone_count():
         ordered = taken(part, "stick_fraction", in_order(take, {"psi_a": listed}))["difference"]
         np.testing.assert_allclose(ordered, sign * np.array([0.1, 0.0, 0.2]))
     plain = taken(part, "stick_fraction", take)["difference"]
-    for listed in ([". >= 0", ends[0]], [9.9, ends[1]], [ends[1], ends[1]]):  # which tell no order
+    for listed in (
+        [". >= 0", ends[0]],
+        [9.9, ends[1]],
+        [ends[1], ends[1]],
+        [*ends, ends[0]],
+    ):  # tell no order
         assert plain.equals(
             taken(part, "stick_fraction", in_order(take, {"psi.a": listed}))["difference"]
         )

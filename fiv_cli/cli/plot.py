@@ -409,9 +409,8 @@ def _has_figure(source: dict[str, xr.Dataset], name: str | None) -> bool:
     from fiv_cli.plots.drawing import KINDS
     from fiv_cli.reading.datasets import figures_in
 
-    figures = figures_in(source)
-    if name not in KINDS or not KINDS[name].overlays:
-        figures = figures_of(source)
+    shows_all = name in KINDS and KINDS[name].overlays
+    figures = figures_in(source) if shows_all else figures_of(source)
     return any(figure.name == name for figure in figures)
 
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fiv_cli.case.overrides import parse_override
-from fiv_cli.plots import branch, style
+from fiv_cli.plots import branch, points, style
 from fiv_cli.plots.drawn import in_one_line
 from fiv_cli.plots.labels import title_of, unit_text, value_label
+from fiv_cli.plots.same_parameters import choices
 from fiv_cli.reading import shares
 from fiv_cli.reading.causes import case_of
 
@@ -34,7 +34,9 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     said = {word for line in below for word in line.split(", ")}
     names = [*dict.fromkeys(name for dataset in datasets for name in _given(dataset))]
     led = {str(n) for one in datasets for n in one.coords if branch.leads_along(one, str(n))}
-    known = {*names, *led, *(name for one in datasets for name in _set_by_hand(one))}
+    of_run = product(datasets, ("overrides", "overridden"))
+    by_hand = {str(axis.name) for pair in of_run for axis in points.set_by_hand(*pair)}
+    known = {*names, *led, *by_hand}
     names = [name for name in names if name not in led]
     swept = [one for one in datasets if "crossing" not in one.dims]  # others mark places alone
     every = [
@@ -65,12 +67,6 @@ def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
     return [f"by default {', '.join(told)}"] * bool(told)
 
 
-def _set_by_hand(dataset: xr.Dataset) -> set[str]:
-    """The names of what the run of a dataset was given on the command line."""
-    lines = (dataset.attrs.get(name, "").splitlines() for name in ("overrides", "overridden"))
-    return {parse_override(line).keys[-1] for own in lines for line in own}
-
-
 def _given(dataset: xr.Dataset) -> Iterator[str]:
     """The names of the parameters and of the law that the case of a dataset gives, or varies."""
     case = case_of(dataset.attrs)
@@ -84,10 +80,9 @@ def _given(dataset: xr.Dataset) -> Iterator[str]:
 
 def _held(dataset: xr.Dataset, name: str) -> list[str]:
     """The numbers that a dataset has of a parameter, or its law, or an option of its model."""
-    chosen = json.loads(dataset.attrs.get("options_json", "{}"))
-    chosen |= {"law": dataset.attrs["law"]} if "law" in dataset.attrs else {}
-    if name in chosen and name not in dataset.coords:
-        return [f"{name}: {chosen[name]}"]
+    chosen = choices(dataset).get("friction" if name == "law" else name)
+    if chosen is not None and name not in dataset.coords:
+        return [f"{name}: {chosen}"]
     held = dataset.coords.get(name)
     if held is None or held.ndim > 1 or held.dtype.kind not in "fi":
         return []

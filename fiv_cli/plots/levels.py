@@ -348,10 +348,13 @@ def _name(
             for shares in (CLEAR, ALIKE)
         )
         found.append((lines, level, next(filter(None, rooms), [])[:most]))
-    hidden = [one for one in found if not one[2] or _is_hidden(ax, one[0], one[1], levels)]
-    for lines, level, places in [one for one in found if one not in hidden]:
-        _write_on(ax, lines, level, levels, places)
-    told = {level for _, level, _ in [one for one in found if one not in hidden]}
+    hidden, told = [], set[float]()
+    for lines, level, places in found:
+        if not places or _is_hidden(ax, lines, level, levels):
+            hidden.append((lines, level, places))
+        else:
+            _write_on(ax, lines, level, levels, places)
+            told.add(level)
     for lines, level, places in hidden:
         others = [piece for one, of in drawn if of != level for piece in _pieces(one)]
         text = labels.number_text(level, levels)

@@ -372,7 +372,7 @@ def title(dataset: xr.Dataset, *others: xr.Dataset) -> str:
         [axis for axis in _axes_along(dataset, dim) if all(_has_no_other(o, axis) for o in others)]
         for dim in single
     ]
-    changed = [labels.value_label(one, one.item()) for one in _set_by_hand(dataset)]
+    changed = [labels.value_label(one, one.item()) for one in set_by_hand(dataset)]
     words = [
         *(word for axes in alone for word in _alone(axes)),
         str(dataset.attrs.get("of_several", "")),
@@ -397,9 +397,9 @@ def _has_no_other(dataset: xr.Dataset, axis: xr.DataArray) -> bool:
     return bool(np.all(own == axis.values[0]))
 
 
-def _set_by_hand(dataset: xr.Dataset) -> list[xr.DataArray]:
-    """Fixed parameters that the run was given with --set."""
-    given = map(parse_override, str(dataset.attrs.get("overrides", "")).splitlines())
+def set_by_hand(dataset: xr.Dataset, told: str = "overrides") -> list[xr.DataArray]:
+    """Fixed parameters that the run was given with --set, as an attribute has them."""
+    given = map(parse_override, str(dataset.attrs.get(told, "")).splitlines())
     names = dict.fromkeys(one.keys[-1] for one in given)
     return [dataset.coords[n] for n in names if n in dataset.coords and not dataset[n].ndim]
 

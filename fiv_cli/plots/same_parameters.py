@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 def of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
     """The part of a dataset at what a diagram holds fixed; None: it has no such."""
-    known, chosen = _axes_and_numbers(dataset), _choices(dataset)
-    fixed = _numbers_held(diagram, known) | _choices(diagram)
+    known, chosen = _axes_and_numbers(dataset), choices(dataset)
+    fixed = _numbers_held(diagram, known) | choices(diagram)
     spread = {n: value for n, value in fixed.items() if n in known and known[n].size > 1}
     for name, value in fixed.items():
         if name not in spread and not _agree(chosen.get(name, known.get(name, value)), value):
@@ -30,8 +30,8 @@ def of_the_same(dataset: xr.Dataset, diagram: xr.Dataset) -> xr.Dataset | None:
 
 def differing(dataset: xr.Dataset, diagram: xr.Dataset) -> list[str]:
     """In which parameters, laws and options a dataset is of no part of a diagram."""
-    known, chosen = _axes_and_numbers(dataset), _choices(dataset)
-    fixed = _numbers_held(diagram, known) | _choices(diagram)
+    known, chosen = _axes_and_numbers(dataset), choices(dataset)
+    fixed = _numbers_held(diagram, known) | choices(diagram)
     return [
         name
         for name, value in fixed.items()
@@ -56,7 +56,7 @@ def _numbers_held(diagram: xr.Dataset, known: Mapping[str, xr.DataArray]) -> dic
     }
 
 
-def _choices(dataset: xr.Dataset) -> dict[str, Any]:
+def choices(dataset: xr.Dataset) -> dict[str, Any]:
     """Law and options of a dataset, where each is one."""
     told = json.loads(dataset.attrs.get("options_json", "{}"))
     told |= {"friction": dataset.attrs["law"]} if "law" in dataset.attrs else {}

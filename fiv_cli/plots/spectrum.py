@@ -250,8 +250,8 @@ def _step(count: int) -> float:
 
 def _moved(ax: Axes, spectra: Sequence[_Shape]) -> Iterator[str]:
     """What to do where lines stand beside their frequency by a good part of the first of these."""
-    count = len(_of_lines(spectra))
     uprights = [spectra[number] for number in _of_lines(spectra)]
+    count = len(uprights)
     if count < 2 or ax.get_xscale() == "log":
         return
     first = min(x[y > TALL * np.nanmax(y)].min(initial=np.inf) for x, y in uprights)

@@ -90,7 +90,8 @@ def taken(
     -------
     xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``,
         ``WHAT_error`` of what may be off, and ``status``. Where nothing is known they are NaN, and
-        the status is that of some point there. Of both last `MOVING` says which vibrate
+        the status is that of some point there. Of a spread and a difference `MOVING` says which of
+        what is compared vibrate
 
     Raises
     ------
@@ -128,8 +129,9 @@ def _looked_at(dataset: xr.Dataset, take: Mapping[str, Any]) -> xr.Dataset:
     axis = select.axis_of(dataset, take["over"][0])
     if axis.size < 2:
         raise select.SelectionError(f"{axis.name}: one value alone, which differs from no other")
-    ends = _places_in(axis, take.get("listed", ()))
-    return dataset.isel({str(axis.dims[0]): [ends[0], ends[-1]] if len({*ends}) > 1 else [0, -1]})
+    listed = _places_in(axis, take.get("listed", ()))
+    tells = bool(listed) and listed[0] != listed[-1]
+    return dataset.isel({str(axis.dims[0]): [listed[0], listed[-1]] if tells else [0, -1]})
 
 
 def _places_in(axis: xr.DataArray, listed: Sequence[Any]) -> list[int]:
