@@ -32,7 +32,7 @@ demo: $(INSTALLED)  ## the main job: the (Omega, N0) map of Figure 7.6 and its f
 	$(BIN)/fiv plot runs/fig_7_06_reached.nc -o runs/fig_7_06_reached.png
 	@echo "dataset: runs/fig_7_06_reached.nc    figure: runs/fig_7_06_reached.png"
 
-test: $(INSTALLED)  ## the tests, about 9 minutes on two cores
+test: $(INSTALLED)  ## the tests, about 10 minutes on two cores
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-all: $(INSTALLED)  ## the tests and the long campaigns
