@@ -306,6 +306,15 @@ def test_critical_values_lie_where_amplitudes_begin():
         for ax in draw([("a", several), ("b", two)], wanted).axes
     )
     assert upper == lower and len({*upper}) == 2  # of the lines, in every panel
+    of_two = several.expand_dims(k=[1.0, 2.0, 3.0]).copy(deep=True)
+    of_two["phi_amplitude"] = of_two["phi_amplitude"] * of_two["k"]
+    wanted = figure("curve", x="Omega", variable="phi_amplitude")
+    (ax,) = draw([("a", of_two), ("b", two.expand_dims(k=of_two["k"].values))], wanted).axes
+    at = [one for one in ax.lines if "critical" in str(one.get_label()) and len(one.get_xdata())]
+    looks = {(one.get_color(), one.get_mfc()) for one in at}
+    assert len(at) == len(looks) == 6 and len({colour for colour, _ in looks}) == 3
+    told = [text for text in legend_texts(ax) if "critical value" in text]
+    assert told == [f"critical value of $\\Omega$: $N_{{0}}$ = {own}" for own in (1, 2)]
     two = critical.expand_dims(N0=[1.0, 2.0, 3.0])
     starts = found.expand_dims(N0=[1.0, 2.0, 3.0]).isel(initial=[0, 0]).copy(deep=True)
     starts = starts.assign_coords(initial=["near", "far"])

@@ -6,7 +6,6 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,7 +40,8 @@ CRITICAL: dict[str, Any] = {
     "color": style.BLACK, "ls": "none", "marker": "D", "ms": 4.0, "mfc": "white", "mew": 0.9,
     "zorder": 5,
 }  # fmt: skip
-FILLS = ("white", style.BLACK, style.GREY)  # of critical values of lines that share their colours
+# Of critical values of lines that share a colour: "" has this one.
+FILLS = ("white", "", style.GREY)
 # How much larger marks are beneath others so near, in points, how near, of the whole axis, and
 # beneath how many.
 LARGER, UPON, MOST_UPON = 3.0, 0.012, 2
@@ -95,28 +95,41 @@ def mark_critical(
     words = f"critical value of {labels.quantity(axis, str(axis.name))}"
     drawn = style.own_axes(ax.figure.figure)  # the legend is that of all
     known = points.colours(drawn) if colours_tell and len(found) > 1 else {}
-    colours = {label: of for label, *_ in found for of in _colours_of(label, known)}
-    if len({*map(str, colours.values())}) < 2:  # dashes, say, tell the lines
-        colours = {}
-    apart = not colours and 1 < len(found) <= len(FILLS)
-    fills = FILLS[: len(found)] if apart else ()
     own = [select.axis_of(one, str(axis.name)) for one in datasets if axis.name in one.coords]
     x = np.concatenate([*map(points.positions, own or [axis])])
     places = [every[is_largest] if of_largest else every for _, every, is_largest in found]
-    for number, ((label, *_), fill) in enumerate(zip_longest(found, fills)):
-        at = places[number]
-        if not at.size:
-            continue
-        told = points.unlisted(label, words) if colours else words
-        told = f"{words}: {label}" if fill else told
-        look = {"color": colours.get(label, style.BLACK), "mfc": fill or CRITICAL["mfc"]}
-        if colours or fill:  # else they look alike
-            upon = [_is_near(at, later, UPON * np.ptp(x)) for later in places[number + 1 :]]
-            look["ms"] = CRITICAL["ms"] + LARGER * min(sum(upon), MOST_UPON)
-        ax.plot(at, 0.0 * at, label=told, **CRITICAL | look)
-    if colours:
-        ax.plot([], [], label=words, **CRITICAL)
+    lines = [label for label, *_ in found]
+    looks = [*_looks_of_critical(lines, words, known)]
+    coloured = len({look["color"] for _, look in looks}) > 1
+    for number, (at, (told, look)) in enumerate(zip(places, looks, strict=True)):
+        above = zip(places[number:], looks[number:], strict=True)
+        near = sum(_is_near(at, one, UPON * np.ptp(x)) for one, its in above if its[1] != look)
+        size = CRITICAL["ms"] + LARGER * min(near, MOST_UPON)
+        if at.size:
+            label = points.unlisted(lines[number], told) if coloured else told
+            ax.plot(at, 0.0 * at, label=label, **CRITICAL | look | {"ms": size})
+    for told, look in looks if coloured else ():
+        fill = style.BLACK if look["mfc"] == look["color"] else look["mfc"]
+        ax.plot([], [], label=told, **CRITICAL | {"mfc": fill})
     _tell_of_those_beyond(ax, np.concatenate(places), x, f"{words} at", str(axis.name))
+
+
+def _looks_of_critical(
+    lines: Sequence[str], words: str, known: Mapping[str, ColorType]
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """How the critical values of each line are marked: in its colour and, of lines that share one,
+    each with a fill; these have none of their own where there are more lines than fills."""
+    colours = [next(iter(_colours_of(line, known)), style.BLACK) for line in lines]
+    if len({*colours}) == 1:
+        colours = [style.BLACK for _ in lines]  # dashes, say, tell them
+    fills = [colours[:number].count(colour) for number, colour in enumerate(colours)]
+    if max(fills) >= len(FILLS):
+        fills = [0 for _ in lines]
+    for colour, fill in zip(colours, fills, strict=True):
+        alike = [one.split(", ") for one, its in zip(lines, fills, strict=True) if its == fill]
+        shared = ", ".join(word for word in alike[0] if all(word in one for one in alike))
+        told = f"{words}: {shared}" if any(fills) and shared else words
+        yield told, {"color": colour, "mfc": FILLS[fill] or colour}
 
 
 def _tell_of_those_beyond(
@@ -136,9 +149,11 @@ def _is_near(places: np.ndarray, others: np.ndarray, distance: float) -> bool:
 
 
 def _colours_of(label: str, known: Mapping[str, ColorType]) -> list[ColorType]:
-    """The colours of the lines that have all words of a label."""
+    """The colour of the lines that have all words of a label, or that tells some of them."""
     words = {*label.split(", ")} - {""}
-    return [of for name, of in known.items() if words and words <= {*name.split(", ")}][:1]
+    told = [({*name.split(", ")}, of) for name, of in known.items()]
+    whole = [of for own, of in told if words and words <= own]
+    return [*whole, *(of for own, of in told if own <= words and of != style.BLACK)][:1]
 
 
 def _critical_of_lines(
