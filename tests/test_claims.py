@@ -382,7 +382,8 @@ def test_what_is_not_known_well_enough_says_what_lessens_the_error():
     of_runs = '{"b": {"settings": {"width": 0.01, "bracket": [4, 8]}}}'
     found = tried(wide.assign_attrs(analyses_json=of_runs), "boundary", {"less_than": 6}).found
     assert found.endswith(
-        "where an equilibrium loses its stability, an analysis `critical` finds it; "
+        "where an equilibrium loses its stability, an analysis `critical` finds it, and where a "
+        "cycle ends, `cycle` with `parameter`; "
         "runs beside it are undecided: a larger `t_max`, else a smaller `solver.rtol` of the "
         "analysis 'b' lessens it"
     )

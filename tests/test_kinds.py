@@ -96,7 +96,8 @@ def test_words_of_the_field_lead_to_what_is_called_otherwise_here(
 
 
 def test_a_model_is_shown_with_a_law(capsys: pytest.CaptureFixture[str]) -> None:
-    out = printed(capsys, "models", "pin-on-disc", "--law", "stribeck")
+    out = printed(capsys, "models", "pin-on-disc", "stribeck")
+    assert out == printed(capsys, "models", "pin-on-disc", "--law", "stribeck")
     assert re.search(r"^mu_k .* 0\.23 ", out, re.M) and "exp(-(|v|/v_s)^delta)" in out
     document = json.loads(printed(capsys, "models", "belt-5dof", "--law", "lugre", "--json"))
     assert {p["name"]: p["default"] for p in document["law"]["parameters"]}["mu_s"] == 3.0
@@ -104,6 +105,8 @@ def test_a_model_is_shown_with_a_law(capsys: pytest.CaptureFixture[str]) -> None
         (["annular-plate", "--law", "coulomb"], "has no frictional contact"),
         (["pin-on-disc", "--law", "strybeck"], "did you mean 'stribeck'"),
         (["--law", "stribeck"], "fiv models stribeck"),
+        (["stribeck", "coulomb"], "coulomb: a law is for a model"),
+        (["pin-on-disc", "stribeck", "--law", "coulomb"], "two laws, stribeck and coulomb"),
     ):
         assert run(["models", *wrong]) == 2
         assert words in capsys.readouterr().err

@@ -224,7 +224,7 @@ def test_a_motion_lies_over_the_basins_at_its_parameters(turned):
     assert {float(v) for v in path[[0, -1], 0]} == {*_motion_in_x()["x"].values[0, [0, -1]]}
 
 
-def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
+def test_a_motion_lies_over_a_single_basin_and_tells_where_its_parameters_are_others():
     of_cycle = _motion_in_x(2.0).assign_attrs(steady_state="unstable cycle")
     settled = _motion_in_x(2.0).assign_attrs(steady_state="periodic")
     words = (
@@ -235,18 +235,21 @@ def test_a_motion_lies_over_a_single_basin_whatever_its_parameters():
     )
     for one, word in words:
         (ax,) = draw([("", data.basin(speeds=(1.0,))), ("", one)], figure("basin")).axes
-        assert [*_lines_over(ax)] == [word]
+        told = "of other parameters: $\\Omega$ = 2"
+        assert [*_lines_over(ax)] == [f"{word}, {told}"] and told in style.notes_on(ax.figure)
+        (ax,) = draw([("", data.basin(speeds=(2.0,))), ("", one)], figure("basin")).axes
+        assert [*_lines_over(ax)] == [word] and not style.notes_on(ax.figure)
 
 
 def test_cycles_of_two_files_are_called_by_what_they_are_where_that_tells_them_apart():
     layers = [(name, _motion_in_x().assign_attrs(steady_state=f"{name} cycle", called=""))
               for name in ("unstable", "stable")]  # fmt: skip
-    (ax,) = draw([("", data.basin(speeds=(1.0,))), *layers], figure("basin")).axes
+    (ax,) = draw([("", data.basin(speeds=(2.0,))), *layers], figure("basin")).axes
     assert {*_lines_over(ax)} == {"unstable cycle", "stable cycle"}
     gaps = {name: one.get_linestyle()[0][1] for name, one in _lines_over(ax).items()}
     assert gaps["stable cycle"] is None and gaps["unstable cycle"]  # whichever file comes first
     layers[1] = ("other", layers[0][1])
-    (ax,) = draw([("", data.basin(speeds=(1.0,))), *layers], figure("basin")).axes
+    (ax,) = draw([("", data.basin(speeds=(2.0,))), *layers], figure("basin")).axes
     assert {*_lines_over(ax)} == {"unstable cycle: unstable", "unstable cycle: other"}
 
 

@@ -33,8 +33,9 @@ from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.plots import draw, leaps, points, style
 from fiv_cli.plots import labels as words
 from fiv_cli.plots.branch import stretches
-from fiv_cli.plots.cloud_marks import FINEST, _mark_gathered
+from fiv_cli.plots.cloud_marks import FINEST, _mark_gathered, mark_clouds
 from fiv_cli.plots.clouds import Cloud
+from fiv_cli.plots.diagram_lines import _colours_of
 from fiv_cli.plots.drawn import DECORATION, as_csv
 from fiv_cli.plots.points import GAP_MARKS
 from fiv_cli.plots.style import BLACK, finer
@@ -167,9 +168,9 @@ def test_several_lines_have_a_name_of_all_where_it_is_no_others(names, told):
 
 
 def test_marks_of_gaps_that_look_alike_are_one_row():
-    """Two starts of one preload have one colour: which of them is undecided, no mark tells."""
+    """Two starts of one preload have one colour, and one mark: both are named."""
     rows = {("undecided", "a, up"): np.r_[1.0], ("undecided", "a, down"): np.r_[2.0]}
-    for own, told in (({"a": "red"}, [("a", [1.0, 2.0])]), ({}, [("", [1.0, 2.0])])):
+    for own, told in (({"a": "red"}, [("a, up and down", [1.0, 2.0])]), ({}, [("", [1.0, 2.0])])):
         looks = points._by_look(rows, own).values()
         assert [(whose, x.tolist()) for whose, x in looks] == told
     alone = points._by_look({("pending", "a, up"): np.r_[1.0]}, {})
@@ -198,6 +199,23 @@ def test_points_at_rest_of_one_start_are_squares_alone_and_a_partial_run_says_so
         assert bool({line.get_marker() for line in shown} - {"s"}) == has_others
     partial = found.assign_attrs(partial="30 of 46 points")
     assert "partial: 30 of 46 points" in draw(partial, figure("bifurcation")).get_suptitle()
+
+
+def test_lines_have_the_colour_of_all_their_words():
+    """Equilibria of the file of 1000 s had the colour of that of 100000 s, which begins alike."""
+    known = {"t_max = 100000": "blue", "t_max = 1000": "red", "far": "black"}
+    assert _colours_of("t_max = 1000", known) == _colours_of("t_max = 1000, far", known) == ["red"]
+    assert _colours_of("", known) == _colours_of("t_max = 10", known) == []
+
+
+def test_no_start_has_dots_for_marks_where_squares_of_rests_lie_on_them():
+    """The fourth of a table was in the legend, and nowhere in the figure."""
+    one, at, no = np.ones(1), np.full(1, 2.0), np.zeros(1, bool)
+    clouds = [Cloud("", start, one, one, no, no, at, one, no, no) for start in "abcd"]
+    ax = Figure().add_subplot()
+    mark_clouds(ax, clouds, 9, 6.4, {})
+    rests = {line.get_marker() for line in ax.lines if 2.0 in line.get_xdata()}
+    assert rests == {"o", "+", "s", "^"}
 
 
 def test_undecided_values_in_one_place_are_seen_on_a_line():

@@ -364,6 +364,49 @@ def test_cycles_of_ever_other_multiplicity_are_no_line():
         assert leaps.of_changing_passages(kinds).tolist() == told
 
 
+def test_where_sticking_goes_over_to_another_contact_at_one_point_no_line_leads():
+    """The shares of stick of two belts at one speed were joined to those beside it, and a kink."""
+    for sticks, told in (
+        ([1, 1, 3, 2, 2], [False, True, True, False]),
+        ([1, 1, 0, 2, 2], [False, True, True, False]),
+        ([1, 1, 3, 3, 2], [False] * 4),  # of both there is a line
+        ([0, 0, 1, 3, 3], [False] * 4),  # one after the other
+        ([0, 0, 1, 0, 0], [False] * 4),
+    ):
+        assert leaps.of_a_handover(1.0 + leaps.MANY * np.array(sticks)).tolist() == told
+
+
+def test_along_what_advances_together_in_no_order_places_are_called_by_all_of_it():
+    """A line led from one damping to another over a third, whose second value stood nowhere."""
+    values, none = {"c1": [0.0, 20.0, 5.0], "c2": [0.0, 20.0, 35.0]}, np.array(["ok"] * 3)
+    held = {name: ("c1_c2", own, {"units": "N s m-1"}) for name, own in values.items()}
+    found = {"status": data.statuses(("c1_c2",), none)}
+    found["critical_value"] = ("c1_c2", [1.0, 1.1, 0.8], {"long_name": "critical value of mu_k"})
+    dataset = xr.Dataset(found, held, data.attributes())
+    drawn = draw(dataset, figure("curve", variable="critical_value"))
+    (ax,) = drawn.axes
+    ticks = [" ".join(one.get_text().split()) for one in ax.get_xticklabels()]
+    assert ticks[2] == "$c_{1}$ = 5 N s/m, $c_{2}$ = 35 N s/m"
+    assert all(line.get_linestyle() == "None" for line in ax.lines if len(line.get_xdata()))
+    rows = csv.reader(as_csv(drawn, Path("a.csv")).splitlines())
+    assert not style.notes_on(drawn) and "c_1 = 5 N s/m, c_2 = 35 N s/m" in {
+        row[-2] for row in rows
+    }
+    (ax,) = draw(dataset, figure("curve", variable="critical_value", x="c1")).axes
+    assert ax.get_xlim()[1] > 20.0  # as asked
+    rising = dataset.isel(c1_c2=[0, 2, 1])
+    assert draw(rising, figure("curve", variable="critical_value")).axes[0].get_xlim()[1] > 20.0
+
+
+def test_many_lines_in_many_pieces_are_told():
+    """Six of chaotic motions lay over one another, and nothing said what to do."""
+    words = [f"$k$ = {one} N/m, {start}" for one in (1, 2, 3) for start in ("near", "far")]
+    assert points.of_many_lines(words, ["initial"]) == []
+    (told,) = points.of_many_lines(words, ["initial"], 36)
+    assert told.startswith("6 lines in 36 pieces are hard to tell apart; select = { initial = ")
+    assert points.of_many_lines(words[:3], ["initial"], 36) == []
+
+
 def test_branches_and_critical_values_lie_over_amplitudes_whichever_file_comes_first():
     """By another order it was a figure along the other axis, or refused without a file's name."""
     speeds = np.linspace(1.0, 4.0, 7)

@@ -966,6 +966,12 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
         asked = figure("map", x="Omega", y="N0", level={f"{name}:critical_value": "N0"})
         notes[name] = style.notes_on(draw(response, asked))
     assert notes["whole"] == []
+    level = {"L_s": [0.001, 0.002], "whole:critical_value": "N0"}
+    asked = figure("map", variable="L_s", x="Omega", y="N0", level=level, overlay=True)
+    (ax,) = draw(response, asked).axes  # levels on white, and what another case found
+    (line,) = [one for one in ax.lines if "critical value" in str(one.get_label())]
+    assert line.get_ydata().tolist() == (4.0 * many).tolist()
+    assert "critical value of $N_{0}$" in legend_texts(ax.figure)
     (straight,), (apart,) = notes["few"], notes["leap"]
     assert f"straight between its {few.size} values of Omega" in straight
     ends = [words.number_text(one, many.tolist()) for one in many[8:10]]
@@ -1112,8 +1118,22 @@ def test_a_level_that_single_points_of_a_refined_map_pass_is_in_no_jump_to_rest(
     values[y, x] = 4.0
     dataset["L_s"] = dataset["L_s"].copy(data=values)
     notes = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.5, 2.0])))
-    (note,) = [one for one in notes if "along a jump to rest" not in one]
+    told = "along a jump to rest", "a piece too short for its number"  # around what is not known
+    (note,) = [one for one in notes if not any(word in one for word in told)]
     assert note.startswith("no line $L_s$ = 2 rad$^{2}$: where it is passed no three neighbours")
+
+
+def test_pieces_of_lines_that_have_no_room_for_their_number_are_told():
+    """One in a corner had neither number nor dashes that the legend could tell it by."""
+    dataset = data.stability_map(initial=("reached",), nx=60, ny=60)
+    rising = np.linspace(0.0, 1.0, 60) * np.ones((60, 1))
+    moving = dataset["L_s"].copy(data=rising[:, :, None])
+    moving[:2, 0] = 0.6  # in a corner
+    kinds = dataset["attractor"].copy(data=np.full(moving.shape, 1))
+    dataset = dataset.assign(L_s=moving, attractor=kinds)
+    notes = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.3, 0.5])))
+    short = [one for one in notes if "a piece too short for its number at (" in one]
+    assert len(short) == 2 and "L_s = 0.5: " in short[1]
 
 
 def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
@@ -1629,7 +1649,7 @@ def test_axes_that_advance_together_span_no_map():
 def test_lines_that_a_map_cannot_have_are_refused(level, message):
     with pytest.raises(UsageError, match=message):
         draw(with_growth(), figure("map", variable="L_s", level=level))
-    with pytest.raises(UsageError, match="overlay shows the lines of the variable that is mapped"):
+    with pytest.raises(UsageError, match="overlay shows levels of the variable that is mapped"):
         draw(with_growth(), figure("map", variable="L_s", level={"growth_rate": 0}, overlay=True))
 
 

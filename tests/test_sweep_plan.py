@@ -155,6 +155,9 @@ def test_a_plan_says_what_the_case_leaves_to_the_model_and_its_law() -> None:
     assert line == f"  by default, in SI: {named}, 2 more: fiv models belt-1dof"
     by_name = {"m": 1.0, "c": 0.0, "u0": 0.0, "omega": 1.0, "mu_s": 0.4, "mu_k": 0.23}
     assert plan.defaults() == by_name
+    falling = make_plan(sweep_fakes.case(f'{text}[friction]\nlaw = "exponential"\n'))
+    (line,) = [line for line in falling.describe() if "by default, " in line]
+    assert "alpha = 1, mu_0 = mu_s, " in line and falling.defaults()["mu_0"] == "mu_s"
 
 
 def test_a_plan_says_which_options_of_the_model_are_left() -> None:

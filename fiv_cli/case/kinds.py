@@ -243,7 +243,7 @@ points: the window is theirs and half a finest step beyond, so lay these that mu
 A map draws the line at which its numbers have a `level`: the border of a region, also in a jump, to
 rest half-way between the points. Of several levels only that next to rest lies in such a jump, and
 none with border = false; of an interval each end has its line. With overlay = true there are the
-lines alone, all in one panel.
+lines alone, all in one panel, and those that a `boundary` or `critical` found.
 Over a map of anything, of classes too, lie lines of other variables of the case, as
 level = { growth_rate = 0.0 }, or of what another has found, "CASE:growth_rate": read between the
 points, so up to half a step off where a number jumps to rest, and a step at another jump. Exact are

@@ -31,7 +31,7 @@ class Verdict:
 
     source: str
     plan: tuple[str, ...] = ()
-    defaults: Mapping[str, float] = field(default_factory=dict)
+    defaults: Mapping[str, float | str] = field(default_factory=dict)
     stiff: tuple[str, ...] = ()
     not_run: tuple[str, ...] = ()
     held_otherwise: tuple[str, ...] = ()

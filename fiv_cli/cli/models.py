@@ -30,8 +30,9 @@ KINDS = (
 
 @click.command("models")
 @click.argument("name", required=False)
+@click.argument("of_law", required=False, metavar="[LAW]")
 @click.option("--laws", "want_laws", is_flag=True, help="Friction laws instead of models.")
-@click.option("--law", metavar="LAW", help="The model NAME with another law than its first.")
+@click.option("--law", metavar="LAW", help="The same as LAW after the NAME of a model.")
 @click.option(
     "--option",
     "chosen",
@@ -42,21 +43,26 @@ KINDS = (
 @json_option
 @with_option
 def command(
-    name: str | None, want_laws: bool, law: str | None, chosen: tuple[str, ...], as_json: bool
+    name: str | None,
+    of_law: str | None,
+    want_laws: bool,
+    law: str | None,
+    chosen: tuple[str, ...],
+    as_json: bool,
 ) -> None:
     """List the mechanical models, or print everything about the model or law called NAME, or which
     of them have the parameter or state NAME.
 
     For one model: its parameters with symbol, unit, default, range and the equation that
     introduces them, its states and options, the friction laws it takes, and its equations, under
-    its default law or --law LAW. Of a table of measured friction, `fiv models FILE.csv`: what was
+    its default law or LAW. Of a table of measured friction, `fiv models FILE.csv`: what was
     read.
 
     \b
     Examples:
       fiv models
       fiv models pin-on-disc    # then: fiv new pin-on-disc
-      fiv models pin-on-disc --law stribeck
+      fiv models pin-on-disc stribeck
       fiv models disc-nonlinear-contact --option geometry=linear
       fiv models k_nl           # which models have it
       fiv models --laws
@@ -67,6 +73,9 @@ def command(
     from fiv_cli.own.load import following, know_installed, seek
 
     know_installed()
+    if law and of_law and law != of_law:
+        raise UsageError(f"two laws, {of_law} and {law}\nnext: fiv models {name} {law}")
+    law = law or of_law
     name = name if name is None else seek(name)
     laws = all_laws()
     if name is not None and not want_laws and not (name in all_models() or name in laws):
@@ -122,7 +131,7 @@ def _under(name: str | None, chosen: Sequence[str], law: str | None) -> Model:
     from fiv_cli.models import all_models
 
     if name not in all_models():
-        told = f"--law is for a model\nnext: fiv models {law}, or name a model too"
+        told = f"{law}: a law is for a model\nnext: fiv models {law}, or fiv models MODEL {law}"
         options = "--option is for a model\nnext: fiv models NAME --option OPTION=CHOICE"
         raise UsageError(options if law is None else told)
     model = all_models()[name]

@@ -57,14 +57,23 @@ def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
     """The parameters that cases leave as they are in the model, but what is 0; of many, which not
     every option needs, where they stand."""
     fixed = (axis for axis in datasets[0].coords.values() if not axis.ndim)
-    names = [str(axis.name) for axis in fixed if axis.dtype.kind == "f"]
+    off = ["frequency"] * _is_unforced(datasets)
+    told = (axis for axis in fixed if axis.attrs.get("role") not in off)
+    names = [str(axis.name) for axis in told if axis.dtype.kind == "f"]
     held = [[_held(one, name) for one in datasets] for name in names if name not in given]
     alike = [one[0][0] for one in held if one[0] and all(own == one[0] for own in one)]
-    told = [word for word in alike if word.rpartition(" = ")[2].split()[0] != "0"]
-    if len(told) > MOST_DEFAULTS:
+    words = [word for word in alike if word.rpartition(" = ")[2].split()[0] != "0"]
+    if len(words) > MOST_DEFAULTS:
         model = datasets[0].attrs.get("model", "MODEL")
-        return [f"{len(told)} parameters by default (fiv models {model})"]
-    return [f"by default {', '.join(told)}"] * bool(told)
+        return [f"{len(words)} parameters by default (fiv models {model})"]
+    return [f"by default {', '.join(words)}"] * bool(words)
+
+
+def _is_unforced(datasets: Sequence[xr.Dataset]) -> bool:
+    """Whether the model has an excitation, whose every amplitude is 0."""
+    every = (axis for one in datasets for axis in one.coords.values())
+    amplitudes = [axis for axis in every if axis.attrs.get("role") == "amplitude"]
+    return bool(amplitudes) and all(bool((axis == 0.0).all()) for axis in amplitudes)
 
 
 def _given(dataset: xr.Dataset) -> Iterator[str]:

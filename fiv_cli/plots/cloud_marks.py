@@ -59,9 +59,11 @@ def mark_clouds(
     room = style.POINTS * width / columns
     are_bars = max(entry.number for entry in entries) > 0 and size > BAR * room
     if are_bars:
-        entries, size = [*map(_no_dot, entries)], max(size, min(SEEN_ON_LINES, FILLED * room))
-    sorts = 1 + max(entry.number for entry in entries)
+        size = max(size, min(SEEN_ON_LINES, FILLED * room))
     apart, squares = np.concatenate([one.sticking[~one.told] for one in clouds]), count > 0
+    if are_bars or (apart.size and squares):  # beneath a square no dot is seen
+        entries = [*map(_no_dot, entries)]
+    sorts = 1 + max(entry.number for entry in entries)
     resting = "at rest" if apart.any() else "steady sliding"
     _name_sorts(ax, clouds, entries, APART if are_bars else size, among_dots=are_bars)
     pairs = [*zip(clouds, entries, strict=True)]

@@ -108,7 +108,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
 
     No line leads through these, nor from a point of one class to a neighbour of another.
     """
-    layers, critical = _without_critical(_laid_over(layers), settings)
+    layers, settings = points.with_named_places(_laid_over(layers), settings)
+    layers, critical = _without_critical(layers, settings)
     shown = _shown(layers, settings)
     drawn = each_once([*_lines(shown)])
     points.refuse_empty(layers[0].dataset, any(one.is_known for _, one in drawn), shown.first)
@@ -230,10 +231,13 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     yield from _of_undecided(known, shown.panels)
     words = {dim: {one.words.get(dim) for one in known} for one in known for dim in one.words}
     dims = [d for d, told in words.items() if len(told) > 1 and d not in {VARIABLE, DATASET}]
-    names = [one.without(dashed) for one in known]
-    yield from points.of_many_lines(names, sorted(dims, key=lambda dim: dim != "initial"))
+    pieces = sum(one.pieces for one in known)
+    names = [
+        one.label if pieces > points.PIECES * len(known) else one.without(dashed) for one in known
+    ]
+    yield from points.of_many_lines(names, sorted(dims, key=lambda dim: dim != "initial"), pieces)
     x = np.unique([place for one in every for place in one.x])
-    for crossings in (True, False):
+    for crossings in (True, False) if select.is_numeric(shown.axis) else ():
         told = [one for one in every if one.of_crossings == crossings and one.apart]
         for one in told if crossings else told[:MOST_TOLD]:
             yield from broken(one.label or shown.first, shown.axis.name, one.apart, x)
@@ -426,7 +430,8 @@ def _marked_apart(drawn: Sequence[tuple[int, Curve]], dashed: str) -> list[tuple
         return [*drawn]
     words = dict.fromkeys(one.words.get(dashed, "") for _, one in drawn)
     own_marks = (mark for mark in SORT_MARKS[1:] if mark[0] != OF_UNDECIDED)
-    keys = (dict(zip(("marker", "ms"), mark, strict=True)) for mark in own_marks)
+    hollow = {"mfc": "none", "mew": 0.8}  # a dot is seen in each
+    keys = (dict(zip(("marker", "ms"), mark, strict=True)) | hollow for mark in own_marks)
     marks = dict(zip(filter(None, words), (DOT, *keys), strict=False))
     own = ((place, one, marks.get(one.words.get(dashed, ""), DOT)) for place, one in drawn)
     return [(place, replace(one, mark=mark, short=TOO_SHORT)) for place, one, mark in own]

@@ -194,6 +194,12 @@ class Curve:
         return np.insert(self.way if self.way.size else sure, self.jumps, np.nan)
 
     @property
+    def pieces(self) -> int:
+        """In how many its line is drawn, points that stand alone among them."""
+        known = np.isfinite(self.whole_way)
+        return int((known & ~np.append(False, known[:-1])).sum())
+
+    @property
     def is_known(self) -> bool:
         """Whether it has any value."""
         return bool(self.known.any())
@@ -306,6 +312,8 @@ def _leaves(
     plain = leaps.kinds(dataset).broadcast_like(array).isel(index).values
     kinds, surely = leaps.told_apart(plain, marks)
     left = left | leaps.of_changing_passages(plain)
+    if "contact" in array.dims:
+        left = left | leaps.of_a_handover(plain)
     shown, logarithmic = points.shown_of(settings, y), points.is_logarithmic(settings, "y")
     return left | leaps.leaps(y, kinds, shown, logarithmic, surely)
 

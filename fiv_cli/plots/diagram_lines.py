@@ -476,9 +476,9 @@ def draw_equilibria(
         called = f"{word} equilibrium"
         for label, places, values, met, known in drawn:
             own = points.unlisted(label, called) if colours else called
-            of_line = (colour for name, colour in colours.items() if name.startswith(label))
+            colour = next(iter(_colours_of(label, colours)), style.BLACK)
             (line,) = ax.plot(places, values, dashes, lw=weight, zorder=3.5,
-                              color=next(of_line, style.BLACK), label=own)  # fmt: skip
+                              color=colour, label=own)  # fmt: skip
             leave_out(line, met[~known])
             shares |= _blacken_shared(ax, line)
             for part, how in ((known, ""), (~known, BETWEEN)) if word == "unstable" else ():

@@ -191,7 +191,7 @@ def _pieces_of_line(line: Line2D, ax: Axes) -> list[np.ndarray]:
 def _told(axis: Axis, values: np.ndarray) -> list[float | str]:
     """Values along an axis: numbers, NaN where there is none, or the words at their ticks."""
     if isinstance(axis.get_major_locator(), FixedLocator):
-        words = [text.get_text() for text in axis.get_ticklabels()]
+        words = [in_one_line(text.get_text()) for text in axis.get_ticklabels()]
         named = dict(zip(axis.get_ticklocs().round().tolist(), words, strict=True))
         return [named.get(value, value) for value in values.round().tolist()]
     return [*values.tolist()]

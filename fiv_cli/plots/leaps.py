@@ -58,6 +58,16 @@ def of_changing_passages(kinds: np.ndarray) -> np.ndarray:
     return np.asarray(changes & (again[:-2] | again[2:]))
 
 
+def of_a_handover(kinds: np.ndarray) -> np.ndarray:
+    """Between which neighbours sticking goes over from some contacts to others at a single point:
+    what sticks there is of a branch on neither side."""
+    sticks = (kinds // MANY).astype(int)
+    before, here, after = sticks[:-2], sticks[1:-1], sticks[2:]
+    lost, gained = before & ~after, after & ~before
+    alone = np.pad((lost > 0) & (gained > 0) & (here != before) & (here != after), 1)
+    return np.asarray(alone[1:] | alone[:-1])
+
+
 def marks_of_motions(dataset: xr.Dataset) -> Iterator[xr.DataArray]:
     """What leaps, one or the other, where a line goes over to another cycle of the same kind."""
     shares = [name for name in map(str, dataset) if name.endswith("_fraction")]

@@ -26,6 +26,7 @@ from scipy import ndimage
 
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
+from fiv_cli.notation.names import listed
 from fiv_cli.plots import labels, legends, level_notes, points, style
 from fiv_cli.plots.drawn import keep_whole
 from fiv_cli.plots.level_notes import Panel
@@ -273,7 +274,24 @@ def draw(
                 _dash_short_pieces(ax, lines)
                 lines.set_label(points.unlisted(label, level_notes.words(array, level, levels)))
                 drawn.append((lines, level))
-    return _name(ax, drawn, levels) if named else ()
+    if not named:
+        return ()
+    style.add_notes(ax.figure.figure, [*_too_short(ax, str(array.name), drawn, levels)])
+    return _name(ax, drawn, levels)
+
+
+def _too_short(
+    ax: Axes, name: str, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]
+) -> Iterator[str]:
+    """Of which level pieces are that have no room for its number, nor for their dashes."""
+    for lines, level in drawn:
+        text, pieces = labels.number_text(level, levels), _pieces(lines)
+        short = [one for one in pieces if _length(ax, one) < 2.0 * _half_of(ax, text)[0]]
+        if 0 < len(short) < len(pieces):
+            middles = [", ".join(f"{at:.3g}" for at in one[len(one) // 2]) for one in short]
+            more = [f"{len(short) - MOST_WRITTEN} more"] * (len(short) > MOST_WRITTEN)
+            places = listed([*(f"({middle})" for middle in middles[:MOST_WRITTEN]), *more])
+            yield f"{name} = {text}: a piece too short for its number at {places}"
 
 
 def _dash_short_pieces(ax: Axes, lines: QuadContourSet) -> None:
@@ -639,9 +657,13 @@ def overlay(
     planes: Sequence[tuple[str, Panel]],
     places: tuple[np.ndarray, np.ndarray],
     levels: Sequence[float],
+    others: Sequence[Line2D] = (),
 ) -> None:
     """The lines of several planes (label, what it is at each level) in one panel: a colour for each
-    plane, a kind of line for each level or, of a single level, for each plane."""
+    plane, a kind of line for each level or, of a single level, for each plane.
+
+    The legend has the keys of `others`, too.
+    """
     figure, colours, single = ax.figure.figure, style.line_colours(len(planes)), len(levels) == 1
     dashes = [style.dash(number, len(planes)) if single else "-" for number in range(len(planes))]
     told = [
@@ -652,8 +674,9 @@ def overlay(
     panels = [panel for _, panel in planes]
     of_all = keys(array, levels, style.BLACK if len(planes) > 1 else colours[0], panels)
     both = _both([ends for panel in panels for ends in panel])
-    heading = f"{level_notes.words(array, levels[0], levels)}{both}" if told and single else ""
-    legends.legend_below(figure, [*told, *([] if told and single else of_all)], heading)
+    of_one = bool(told and single and not others)
+    heading = f"{level_notes.words(array, levels[0], levels)}{both}" if of_one else ""
+    legends.legend_below(figure, [*told, *([] if of_one else of_all), *others], heading)
     style.lay_out(figure)  # levels are written along lines as they look
     written: set[float] = set()
     for (label, panel), colour, dash in zip(planes, colours, dashes, strict=True):

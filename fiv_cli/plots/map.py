@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import cycle, islice
+from itertools import cycle, islice, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -107,9 +107,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     otherwise = *_held_otherwise(layers[0], planes, settings), *_told_twice(planes, settings)
     told = *missed, *otherwise, *unwritten, *inexact
     style.add_notes(figure, told)
-    for line in lines:
-        if isinstance(line, CriticalLines) and line.accuracy:
-            style.add_to_caption(figure, line.accuracy)
+    _tell_accuracy(figure, lines)
     return figure
 
 
@@ -483,13 +481,14 @@ def _planes(dataset: xr.Dataset, settings: points.Settings) -> _Planes:
 def _overlaid(
     planes: _Planes, lines: Sequence[_Lines | CriticalLines], settings: points.Settings
 ) -> Figure:
-    """The lines at the levels, of every start and each value of the other axes, in one panel."""
+    """The lines at the levels, of every start and each value of the other axes, in one panel, with
+    those that other cases found."""
     own = [one for one in lines if isinstance(one, _Lines) and one.of_the_map]
-    if len(own) < len(lines):
+    exact = [one for one in lines if isinstance(one, CriticalLines)]
+    if len(own) + len(exact) < len(lines):
         raise UsageError(
-            "overlay shows the lines of the variable that is mapped, alone\n"
-            "next: level = NUMBER, or leave overlay out; --figure curve of the file of critical "
-            "values or borders shows all of them in one panel"
+            "overlay shows levels of the variable that is mapped, and what a boundary or critical "
+            "analysis found\nnext: leave overlay out"
         )
     figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
     if not own:
@@ -503,11 +502,23 @@ def _overlaid(
     # an axis without points of its own would be as large as the lines alone
     ax.set(**{f"{w}lim": (at.min(), at.max()) for w, at in zip("xy", planes.places, strict=True)})
     points.scale(ax, settings)
+    for line, panel in product(exact, planes.panels):
+        line.draw(ax, panel, style.BLACK)
     shown = [*zip(named, own[0].drawn, strict=True)]
-    levels.overlay(ax, planes.array, shown, planes.places, own[0].levels)
-    style.add_notes(figure, [*own[0].inexact])
+    others = [key for line in exact for key in line.keys(style.BLACK)]
+    levels.overlay(ax, planes.array, shown, planes.places, own[0].levels, others)
+    missed = [word for line in exact for word in line.missed]
+    style.add_notes(figure, [*missed, *(word for line in lines for word in line.inexact)])
+    _tell_accuracy(figure, exact)
     points.scale(ax, settings)
     return figure
+
+
+def _tell_accuracy(figure: Figure, lines: Sequence[_Lines | CriticalLines]) -> None:
+    """How far exact lines may be off is for the caption."""
+    for line in lines:
+        if isinstance(line, CriticalLines) and line.accuracy:
+            style.add_to_caption(figure, line.accuracy)
 
 
 def _filled_without(planes: _Planes) -> int:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import reduce
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
@@ -40,6 +41,8 @@ MOST_TICKS = 24
 
 # The number that a random start's label ends with.
 MOST_OF_A_RAMP = 5
+# Lines of which more are hard to tell apart where each is in so many pieces.
+MANY_IN_PIECES, PIECES = 3, 3
 UPON = 1e-6  # relative: values that differ by less are drawn at one place
 MOST_COMPARED = 4_000_000  # pairs of points of which it is told whether they are one
 VALUE = re.compile(r"= [-+−]?\d[^,=]*$")  # the last of the words of an entry
@@ -147,6 +150,36 @@ def abscissa(dataset: xr.Dataset, settings: Settings) -> xr.DataArray:
     return max(numeric or varying, key=lambda axis: axis.size)
 
 
+def with_named_places(
+    layers: Sequence[Layer], settings: Settings
+) -> tuple[Sequence[Layer], Settings]:
+    """Layers along a few values that advance together, none of which orders them: their places are
+    called by all of these. Not where the figure names the axis."""
+    axis = None if "x" in settings else abscissa(layers[0].dataset, settings)
+    if axis is None or not select.is_numeric(axis) or _is_ordered(axis) or axis.size > MOST_TICKS:
+        return layers, settings
+    dim = str(axis.dims[0])
+    if not all(dim in one.dataset.dims for one in layers):
+        return layers, settings
+    named = [replace(one, dataset=_at_named_places(one.dataset, dim)) for one in layers]
+    places = {tuple(one.dataset[dim].values.tolist()) for one in named}
+    return (named, {**settings, "x": dim}) if len(places) == 1 else (layers, settings)
+
+
+def _is_ordered(axis: xr.DataArray) -> bool:
+    """Whether its values rise throughout, or fall, or are the only ones along their dim."""
+    steps = np.diff(axis.values)
+    return axis.name == axis.dims[0] or bool((steps > 0.0).all() or (steps < 0.0).all())
+
+
+def _at_named_places(dataset: xr.Dataset, dim: str) -> xr.Dataset:
+    """With the words of the values that advance together as the coordinate of their dim."""
+    axes = _axes_along(dataset, dim)
+    words = [joined(*labels.values_along(axes, place)) for place in range(dataset.sizes[dim])]
+    told = {"symbol": r",\ ".join(labels.symbol(one, str(one.name)) for one in axes)}
+    return dataset.assign_coords({dim: (dim, words, told)})
+
+
 def known_variable(dataset: xr.Dataset, name: str) -> str:
     """`name`, when the dataset has such a variable; UsageError otherwise."""
     known = [str(variable) for variable in dataset.data_vars]
@@ -181,8 +214,9 @@ def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
     spine = ax.xaxis if which == "x" else ax.yaxis
     spine.set_label_text(", ".join([labels.axis_label(axis), *_advancing_with(axis)]))
     if not select.is_numeric(axis):
-        words = [style.worded(str(value)) for value in axis.values]
-        beside = style.letters(ax.figure.figure) // (2 + max(map(len, words)))
+        most = style.letters(ax.figure.figure) // (1 + axis.size) if which == "x" else LEAST_LETTERS
+        words = [style.folded(style.worded(str(value)), most) for value in axis.values]
+        beside = style.letters(ax.figure.figure) // (2 + style.longest(words))
         room = beside if which == "x" else MOST_TICKS
         kept = np.arange(0, axis.size, -(-axis.size // max(1, room)))
         spine.set_ticks(kept, labels=[words[place] for place in kept])
@@ -431,7 +465,8 @@ def of_all(names: Sequence[str]) -> str:
     own = [list(dict.fromkeys(column)) for column in zip(*parts, strict=True)]
     are_all = len({*names}) == len(names) == np.prod([len(column) for column in own])
     name = joined(*map(BOTH.join, own))
-    return name if are_all and (len(names) == 1 or len(name) <= MOST_LETTERS) else ""
+    is_short = len(names) == 1 or style.longest([name]) <= MOST_LETTERS
+    return name if are_all and is_short else ""
 
 
 def is_of(whose: str, entry: str) -> bool:
@@ -506,18 +541,23 @@ def colours_of(names: Sequence[str]) -> dict[str, ColorType]:
     }
 
 
-def of_many_lines(names: Sequence[str], dims: Sequence[str] = ("initial",)) -> list[str]:
-    """What to do where lines that differ in more than one parameter are too many for colours.
+def of_many_lines(
+    names: Sequence[str], dims: Sequence[str] = ("initial",), pieces: int = 0
+) -> list[str]:
+    """What to do where lines that differ in more than one parameter are too many for colours or, of
+    some in `pieces`, in too many of these.
 
     Parameters
     ----------
     dims : of which they have several values
     """
-    distinct = dict.fromkeys(map(stem, names))
-    if len(distinct) <= len(style.LINES) or len(_of_one_parameter([*distinct])) == 1:
+    distinct = [*dict.fromkeys(map(stem, names))]
+    most = MANY_IN_PIECES if pieces > PIECES * len(distinct) else len(style.LINES)
+    if len(distinct) <= most or len(_of_one_parameter(distinct)) == 1:
         return []
     some = f"select = {{ {dims[0]} = ... }}" if dims else "fewer under variable"
-    return [f"{len(distinct)} lines are hard to tell apart; {some}, say, takes some of them"]
+    told = f" in {pieces} pieces" * (most < len(style.LINES))
+    return [f"{len(distinct)} lines{told} are hard to tell apart; {some}, say, takes some of them"]
 
 
 def _of_one_parameter(names: Sequence[str]) -> list[list[str]]:
@@ -689,12 +729,18 @@ def _by_look(
     rows: Mapping[tuple[str, str], np.ndarray], own: Mapping[str, ColorType]
 ) -> dict[tuple[str, ColorType], tuple[str, np.ndarray]]:
     """Kind of gap and colour -> whose it is, and where: what looks alike is one row."""
-    looks: dict[tuple[str, ColorType], tuple[str, np.ndarray]] = {}
+    looks: dict[tuple[str, ColorType], list[tuple[str, str, np.ndarray]]] = {}
     for (name, whose), x in rows.items():
         of = next((entry for entry in own if is_of(whose, entry)), "")
-        look = name, own.get(of, GAP_MARKS[name][1])
-        looks[look] = (of, np.union1d(looks[look][1], x)) if look in looks else (whose, x)
-    return looks
+        looks.setdefault((name, own.get(of, GAP_MARKS[name][1])), []).append((whose, of, x))
+    return {look: _in_one_row(alike) for look, alike in looks.items()}
+
+
+def _in_one_row(alike: Sequence[tuple[str, str, np.ndarray]]) -> tuple[str, np.ndarray]:
+    """Whose gaps that look alike are, and where: of those of one legend entry, or of nobody's."""
+    names, entry = [whose for whose, *_ in alike], alike[-1][1]
+    whose = (of_all(names) or entry) if entry or len(alike) == 1 else ""
+    return whose, reduce(np.union1d, [x for *_, x in alike])
 
 
 def _gap_rows(

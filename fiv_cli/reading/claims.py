@@ -66,7 +66,10 @@ NOT_RUN = "not run"
 LOOKED_AT = 8  # datasets, the newest, for one of another name
 
 UNDECIDED = "runs beside it are undecided"
-BY_EIGENVALUES = "where an equilibrium loses its stability, an analysis `critical` finds it"
+BY_EIGENVALUES = (
+    "where an equilibrium loses its stability, an analysis `critical` finds it, and where a cycle "
+    "ends, `cycle` with `parameter`"
+)
 
 ACROSS = 2.0  # standard errors beside a share, which may be that of all starts
 # Share of the points that may be open without leaving a claim undetermined that the rest decides.

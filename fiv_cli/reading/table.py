@@ -12,7 +12,7 @@ from fiv_cli.analyses.catalogue import computed_by
 from fiv_cli.case.words import variable_meant
 from fiv_cli.errors import UsageError
 from fiv_cli.flags import NOT_COMPUTED
-from fiv_cli.notation.names import pick, suggest
+from fiv_cli.notation.names import listed, pick, suggest
 from fiv_cli.reading import select
 from fiv_cli.reading.datasets import (
     analysis_of,
@@ -86,9 +86,9 @@ def without_row(
         )
     lacking = lacking.transpose(*points.dims)
     counts = Counter(class_names(part.get("reason", points))[lacking.values.ravel()].tolist())
-    listed = ", ".join(f"{name} {count}" for name, count in counts.most_common() if name != "none")
-    listed = listed and f": {listed} (fiv show without --csv says what it means)"
-    return f"{counts.total()} of {points.size} points without a row{listed}" if counts else ""
+    why = ", ".join(f"{name} {count}" for name, count in counts.most_common() if name != "none")
+    why = why and f": {why} (fiv show without --csv says what it means)"
+    return f"{counts.total()} of {points.size} points without a row{why}" if counts else ""
 
 
 def _asked(
@@ -246,7 +246,16 @@ def _holding(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> xr.Dat
         if hint := "; ".join(filter(None, hints)):
             raise UsageError(f"there is no variable {name!r}; {hint}")
         pick(name, known, "variable", "fiv show FILE.nc")
-    raise UsageError(f"{', '.join(names)}: no analysis has all of these\nnext: a command for each")
+    raise UsageError(
+        f"{', '.join(names)}: no analysis has all of these: {_of_analyses(analyses, names)}\n"
+        "next: a command for each"
+    )
+
+
+def _of_analyses(analyses: Mapping[str, xr.Dataset], names: Sequence[str]) -> str:
+    """Which of some variables each analysis has: ``L_s in response; stable in eigenvalues``."""
+    own = {of: [n for n in names if n in one.data_vars] for of, one in analyses.items()}
+    return "; ".join(f"{listed(held)} in {of}" for of, held in own.items() if held)
 
 
 def _in_words(values: xr.DataArray) -> xr.DataArray:

@@ -336,13 +336,17 @@ def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> 
     if take["what"] in ("first", "last"):
         words = f"{axis.attrs.get('long_name', axis.name)} {words}"
     over = "over that of the reference" if take.get("relative_to") else ""
-    of_what = f"{'of ' * (take['what'] in ('spread', 'difference', 'classes'))}{words}"
+    is_plain = take["what"] == "classes" and name == "attractor"
+    of_what = f"{'of ' * (take['what'] in ('spread', 'difference', 'classes'))}{words}" * (
+        not is_plain
+    )
     what = "number of classes" if take["what"] == "classes" else take["what"]
     named = " ".join(filter(None, (what, of_what, over)))
     if take["what"] != "difference":
         return named
     first, last = (f"{end:.6g}" if select.is_numeric(axis) else end for end in axis.values[[0, -1]])
-    return f"{named}, {axis.name}: {last} less {first}"
+    of_axis = f", {axis.name}" * select.is_numeric(axis)  # names tell themselves of what they are
+    return f"{named}{of_axis}: {last} less {first}"
 
 
 # --- ways of taking -------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from itertools import compress
+from itertools import chain, compress
 
 from fiv_cli.analyses import get_analysis
 from fiv_cli.case.assumed import assumed_of_contacts
@@ -18,14 +18,27 @@ NAMED = ("preload", "speed", "friction", "amplitude", "frequency")
 """Roles of parameters of a model whose defaults are named; of the others it is said how many."""
 
 
-def defaults(case: Case, given: Collection[str]) -> dict[str, float]:
-    """The values in force, SI, that the case does not give, but those `given` otherwise."""
+def defaults(case: Case, given: Collection[str]) -> dict[str, float | str]:
+    """The values in force, SI, that the case does not give, but those `given` otherwise; of one
+    that follows another parameter the name of this."""
     owners = _owners(case)
-    found: dict[str, float] = {}
+    found: dict[str, float | str] = {}
     for name, values in _left(case, given).items():
         agreed = set(values) == owners[name] and len({*values.values()}) == 1
         found |= {name: next(iter(values.values()))} if agreed else _by_law(name, values)
-    return found
+    return found | _following(case, given)
+
+
+def _following(case: Case, given: Collection[str]) -> dict[str, str]:
+    """Parameter -> the one whose value it has, where the case gives it none."""
+    model, known = get_model(case.model), {key.rpartition(".")[2] for key in case.parameters}
+    decided = {*known, *case.schedule.names, *given, *(axis.name for axis in case.axes)}
+    tables = [model.parameters_under(get_law(law)) for law in case.laws]
+    return {
+        one.name: one.default_from
+        for one in dict.fromkeys(chain.from_iterable(tables))
+        if one.default_from is not None and one.name not in decided
+    }
 
 
 def defaults_text(case: Case, given: Collection[str]) -> list[str]:
@@ -33,7 +46,11 @@ def defaults_text(case: Case, given: Collection[str]) -> list[str]:
     model, left = get_model(case.model), defaults(case, given)
     plain, *_ = terms_of(model.name)
     counted = {one.name for one in model.parameters if one.role not in NAMED} & left.keys()
-    told = [f"{name} = {value:.12g}" for name, value in left.items() if name not in counted]
+    told = [
+        f"{name} = {value if isinstance(value, str) else f'{value:.12g}'}"
+        for name, value in left.items()
+        if name not in counted
+    ]
     more = f"{len(counted)} {'more' if told else 'parameters'}: fiv models {plain}"
     set_here = {name for law in case.laws for name in model.defaults_of(get_law(law))}
     theirs = [name for name in _left(case, given) if name in set_here]

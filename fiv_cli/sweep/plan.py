@@ -276,8 +276,9 @@ class Plan:
     def __str__(self) -> str:
         return "\n".join(self.describe())
 
-    def defaults(self) -> dict[str, float]:
-        """What the case leaves to its model and its laws: parameter -> value, SI."""
+    def defaults(self) -> dict[str, float | str]:
+        """What the case leaves to its model and its laws: parameter -> value, SI, or the parameter
+        that it follows."""
         return defaults(self.case, self._varied())
 
     def _varied(self) -> set[str]:
