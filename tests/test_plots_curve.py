@@ -1085,3 +1085,19 @@ def test_what_has_no_logarithm_is_counted_and_no_limit_reaches_for_it(log, store
     assert f',"{remark}",,nan,nan' in as_csv(
         drawn, Path("log.csv")
     )  # nor are they in the table silently
+
+
+def test_the_line_of_a_start_goes_on_where_that_of_another_does_upon_it():
+    """Of a cycle that one of them reaches at two points alone a step was no line, as the same step
+    was of the other."""
+    near = np.array([1.5, 0.78, 0.64, 0.79, 1.1, 1.3])
+    far = np.where(np.arange(6) < 2, near, 0.0)
+    classes = np.where(np.stack([near, far], axis=1) > 0.0, "periodic", "equilibrium")
+    axes = data.axes(Omega=np.arange(1.0, 7.0), initial=["near", "far"])
+    found = data.response(classes.astype(object), np.ones((6, 2)), axes)
+    found["L_s"] = (("Omega", "initial"), np.stack([near, far], axis=1), {"units": "1"})
+    found["multiplicity"] = (found["L_s"] > 0.0).astype(int)
+    assert style.notes_on(draw(found, figure("curve", variable="L_s"))) == []
+    alone = draw(found, figure("curve", variable="L_s", select={"initial": "far"}))
+    (note,) = style.notes_on(alone)
+    assert "not joined between Omega = 1 and 2" in note

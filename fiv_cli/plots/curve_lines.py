@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -264,20 +265,16 @@ def lines_of(
     errors = _errors(dataset, array)
     numeric = [own for own in of_panels if own in dataset and not flag_names(dataset[own].attrs)]
     alike = [own for own in numeric if dataset[own].dims == array.dims and own != "share"]
+    every = array, unsure & array.notnull(), classes, errors, *ends_of(dataset, name)
+    motions, held = _Motions(dataset), {own: numbers(dataset[own]) for own in {name, *alike}}
     curves = []
     for line in points.lines(dataset, [dim], [str(d) for d in array.dims]):
-        y, open_, told, error, *ends = (
-            one.isel(line.index).values
-            for one in (
-                *(array, unsure & array.notnull(), classes, errors),
-                *ends_of(dataset, name),
-            )
-        )
+        y, open_, told, error, *ends = (one.isel(line.index).values for one in every)
         y, error, ends = _narrowed(y, error, ends)
         differ = told[1:] != told[:-1]
         apart = differ | parted(axis)
         left = np.logical_or.reduce(
-            [_leaves(dataset, own, line.index, of_panels[own]) for own in {name, *alike}]
+            [_leaves(motions, one, line.index, of_panels[own]) for own, one in held.items()]
         )
         jumps = (np.flatnonzero(apart | left) + 1).tolist()
         shown = np.isfinite(np.where(open_, np.nan, y))
@@ -295,21 +292,51 @@ def lines_of(
     return curves
 
 
+@dataclass(frozen=True)
+class _Motions:
+    """What tells the motions of a dataset apart, of all of its lines."""
+
+    dataset: xr.Dataset
+
+    @cached_property
+    def kinds(self) -> xr.DataArray:
+        """How often each passes the section, and what sticks on it."""
+        return leaps.kinds(self.dataset)
+
+    @cached_property
+    def marks(self) -> list[xr.DataArray]:
+        """What leaps from one to another."""
+        return [*leaps.marks_of_motions(self.dataset)]
+
+
 def _leaves(
-    dataset: xr.Dataset, name: str, index: Mapping[str, int], settings: points.Settings
+    motions: _Motions, array: xr.DataArray, index: Mapping[str, int], settings: points.Settings
 ) -> np.ndarray:
-    """Between which neighbours along a line a variable goes over to another motion."""
-    array = numbers(dataset[name])
+    """Between which neighbours along a line a variable goes over to another motion; not where the
+    line of another start has these values and goes on."""
+    left = _leaves_alone(motions, array, index, settings)
+    for start in range(array.sizes.get("initial", 1) if left.any() and "initial" in index else 0):
+        there = {**index, "initial": start}
+        met = np.isclose(array.isel(index), array.isel(there), rtol=leaps.SAME, atol=0.0)
+        if (shared := left & met[1:] & met[:-1]).any():
+            left = left & ~(shared & ~_leaves_alone(motions, array, there, settings))
+    return left
+
+
+def _leaves_alone(
+    motions: _Motions, array: xr.DataArray, index: Mapping[str, int], settings: points.Settings
+) -> np.ndarray:
+    """The same, by what is known of the line itself."""
     fixed = {dim: at for dim, at in index.items() if dim != "initial"}  # of all starts
     y, starts = array.isel(index).values, array.isel(fixed)
     left = leaps.changes_over(
         y, starts.transpose(..., *array.isel(index).dims).values.reshape(-1, y.size)
     )
-    if name == "share":
-        starts = dataset.get(_standard_error(name), array).attrs.get("starts", 0)
+    if array.name == "share":
+        starts = motions.dataset.get(_standard_error("share"), array).attrs.get("starts", 0)
         return left | _ends_of_an_attractor(y, starts)
-    marks = [one.isel(index, missing_dims="ignore") for one in leaps.marks_of_motions(dataset)]
-    plain = leaps.kinds(dataset).broadcast_like(array).isel(index).values
+    marks = [one.isel(index, missing_dims="ignore") for one in motions.marks]
+    plain = motions.kinds.broadcast_like(array).isel(index).values
     kinds, surely = leaps.told_apart(plain, marks)
     left = left | leaps.of_changing_passages(plain)
     if "contact" in array.dims:
