@@ -236,7 +236,7 @@ def test_a_motion_lies_over_a_single_basin_and_tells_where_its_parameters_are_ot
     for one, word in words:
         (ax,) = draw([("", data.basin(speeds=(1.0,))), ("", one)], figure("basin")).axes
         told = "of other parameters: $\\Omega$ = 2"
-        assert [*_lines_over(ax)] == [f"{word}, {told}"] and told in style.notes_on(ax.figure)
+        assert [*_lines_over(ax)] == [f"{word}, {told}"] and told in style.notes_on(ax.figure)[0]
         (ax,) = draw([("", data.basin(speeds=(2.0,))), ("", one)], figure("basin")).axes
         assert [*_lines_over(ax)] == [word] and not style.notes_on(ax.figure)
 

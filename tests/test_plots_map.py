@@ -98,11 +98,11 @@ def test_shades_of_a_map_may_be_logarithmic(still):
     numbers[0] = still
     dataset["L_s"] = numbers
     drawn = draw(dataset, figure("map", variable="L_s", log="z"))
-    (mesh,) = [c for c in drawn.axes[1].collections if isinstance(c, QuadMesh)]
+    mesh, below = (c for c in drawn.axes[1].collections if isinstance(c, QuadMesh))
     least, greatest = (float(end) for end in mesh.get_clim())
     assert isinstance(mesh.norm, LogNorm) and 0.0 < least < greatest
     assert greatest == float(numbers.where(numbers > 0.0).max())
-    assert to_hex(mesh.cmap(mesh.norm(0.5 * least))) == "#dddddd"
+    assert to_hex(below.cmap(0)) == "#dddddd" and below.get_array().count() == numbers[0, :, 1].size
     assert legend_texts(drawn)[0] == ("$L_s$ = 0" if still == 0.0 else r"$L_s$ $\leq$ 0")
     dataset["L_s"] = 0.0 * numbers
     (mesh, *_) = draw(dataset, figure("map", variable="L_s", log="z")).axes[0].collections
@@ -487,9 +487,10 @@ def test_the_shades_of_a_map_reach_as_far_as_it_says(log):
     (mesh,) = drawn.findobj(QuadMesh, include_self=False)[:1]
     assert (mesh.norm.vmin, mesh.norm.vmax) == (1e-4, 1e-2)
     shown = np.ma.filled(mesh.get_array(), np.nan)
-    outside = {*shown[(shown < 1e-4) | (shown > 1e-2)].ravel()}
-    assert outside == ({0.5e-4} if log else set())
-    assert mesh.colorbar.extend == "both"
+    assert ((shown >= 1e-4) & (shown <= 1e-2) | np.isnan(shown)).all()
+    assert np.isnan(shown[0, 0]) == bool(log) and mesh.colorbar.extend == "both"
+    below = mesh.colorbar.cmap.get_under()  # what the arrow has, as all between 0 and the bar
+    assert to_hex(below) == to_hex(mesh.to_rgba(1e-4))
 
 
 def test_equilibria_of_a_diagram_of_cycles_are_those_beside_it():
@@ -1128,12 +1129,16 @@ def test_pieces_of_lines_that_have_no_room_for_their_number_are_told():
     dataset = data.stability_map(initial=("reached",), nx=60, ny=60)
     rising = np.linspace(0.0, 1.0, 60) * np.ones((60, 1))
     moving = dataset["L_s"].copy(data=rising[:, :, None])
-    moving[:2, 0] = 0.6  # in a corner
     kinds = dataset["attractor"].copy(data=np.full(moving.shape, 1))
-    dataset = dataset.assign(L_s=moving, attractor=kinds)
-    notes = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.3, 0.5])))
-    short = [one for one in notes if "a piece too short for its number at (" in one]
-    assert len(short) == 2 and "L_s = 0.5: " in short[1]
+    asked, told = (
+        figure("map", variable="L_s", level=[0.3, 0.5]),
+        "a piece too short for its number",
+    )
+    for corner, beside, left in ((0.4, ["0.3"], 0), (0.6, ["0.3"], 1)):  # one has no room
+        moving[:2, 0] = corner
+        drawn = draw(dataset.assign(L_s=moving, attractor=kinds), asked)
+        assert [one.get_text() for one in drawn.findobj(Annotation)] == beside
+        assert len([one for one in style.notes_on(drawn) if told in one]) == left
 
 
 def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
@@ -1287,7 +1292,7 @@ def test_a_level_that_no_line_has_is_told_also_where_a_figure_has_no_title(store
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"variable": "L_s"}, "no `level`"),
+        ({"variable": "L_s"}, "no level of L_s says which"),
         ({"variable": "attractor", "level": 0.5}, "classes have no level"),
         ({"variable": "L_s", "level": [*range(9)]}, "9 levels"),
     ],
@@ -1384,7 +1389,8 @@ def test_numbers_of_both_signs_and_differences_have_shades_that_part_at_zero():
         (mesh,) = drawn.axes[0].findobj(QuadMesh)
         ends = np.array([mesh.norm.vmin, mesh.norm.vmax])
         for value in (0.0, *ends, 0.5 * ends.max()):
-            share = 0.5 + 0.5 * value / np.abs(ends).max()
+            off = value / np.abs(ends).max()  # the least beside zero is told from it
+            share = 0.5 + 0.5 * np.sign(off) * (0.25 + 0.75 * abs(off))
             np.testing.assert_allclose(mesh.to_rgba(value), colormaps["PRGn"](share), atol=0.02)
     plain = draw(data.stability_map(), figure("map", variable="L_s"))
     assert plain.findobj(QuadMesh)[0].get_cmap().name == "cividis"

@@ -193,15 +193,12 @@ def _check_levels(
     if count > MOST_LINES:
         message = f"{count} lines in one map cannot be told apart"
         report.add(at, message, f"{MOST_LINES} levels, or a figure for each few")
-    others = {name for name in of if not isinstance(of[name], str)} - {
-        *_mapped(figure, held, mapped)
-    }
-    if figure.settings.get("overlay") and others:
-        message = f"overlay shows levels of the variable that is mapped, and none of {min(others)}"
-        allowed = (
-            'level = NUMBER, what other cases found, as "CASE:boundary" = "AXIS", or no overlay'
-        )
-        report.add((*at[:-1], "overlay"), message, allowed)
+    if figure.settings.get("overlay") and of:
+        own, numbers = {*plain}, {name for name in of if not isinstance(of[name], str)}
+        message = f"overlay needs a level of {', '.join(own)}, which is mapped, and has no others"
+        allowed = f'{", ".join(own)} = NUMBER, and what other cases found: "CASE:boundary" = "AXIS"'
+        if numbers - own or not numbers:
+            report.add((*at[:-1], "overlay"), message, allowed)
     known = _known(case, held, None, with_motions=False)
     taken = figure.settings.get("take", {}).get("what")
     axes = {"crossing"} if any(isinstance(own, str) for own in of.values()) else set()

@@ -266,7 +266,7 @@ def _lay_over(
         until = path.once_around() if dash != "-" else np.inf  # dashes would fill their gaps
         whole, look = path.between(-np.inf, until), {"color": style.BLACK, "lw": 1.0, "ls": dash}
         told = _of_other_parameters(one, parts)
-        style.add_notes(axes[0].figure.figure, [told] * bool(told))
+        style.add_notes(axes[0].figure.figure, [f"{one.label}: {told}"] * bool(told))
         for ax in _panels_of(one, axes, parts):
             path.draw(ax, whole, points.joined(one.label, told), zorder=3.2, **look)
             ax.autoscale_view()

@@ -57,8 +57,8 @@ def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
     """The parameters that cases leave as they are in the model, but what is 0; of many, which not
     every option needs, where they stand."""
     fixed = (axis for axis in datasets[0].coords.values() if not axis.ndim)
-    off = ["frequency"] * _is_unforced(datasets)
-    told = (axis for axis in fixed if axis.attrs.get("role") not in off)
+    off = _still(datasets)
+    told = (axis for axis in fixed if axis.attrs.get("long_name") not in off)
     names = [str(axis.name) for axis in told if axis.dtype.kind == "f"]
     held = [[_held(one, name) for one in datasets] for name in names if name not in given]
     alike = [one[0][0] for one in held if one[0] and all(own == one[0] for own in one)]
@@ -69,11 +69,12 @@ def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
     return [f"by default {', '.join(words)}"] * bool(words)
 
 
-def _is_unforced(datasets: Sequence[xr.Dataset]) -> bool:
-    """Whether the model has an excitation, whose every amplitude is 0."""
-    every = (axis for one in datasets for axis in one.coords.values())
-    amplitudes = [axis for axis in every if axis.attrs.get("role") == "amplitude"]
-    return bool(amplitudes) and all(bool((axis == 0.0).all()) for axis in amplitudes)
+def _still(datasets: Sequence[xr.Dataset]) -> set[str]:
+    """What the frequencies of excitations mean whose amplitudes are 0."""
+    axes = [axis for one in datasets for axis in one.coords.values() if axis.dtype.kind == "f"]
+    moved = {axis.attrs.get("long_name"): bool((axis != 0.0).any()) for axis in axes}
+    parts = [str(word).partition("amplitude of ") for word, moves in moved.items() if not moves]
+    return {f"frequency of {what}" for _, of, what in parts if of}
 
 
 def _given(dataset: xr.Dataset) -> Iterator[str]:

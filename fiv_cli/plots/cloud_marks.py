@@ -38,6 +38,10 @@ EDGE = 0.5  # pt: of marks that lie on lines of another colour
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 WIDER = 0.8  # share by which a dot that lies beneath another is wider, for each of these
+THINNED = (
+    "marks tell starts at some places alone, and dots all: a greater --width, a narrower xlim or "
+    "fewer points have room for more marks"
+)
 MANY = "many values at one place"
 UNSETTLED = "values where undecided"
 
@@ -76,6 +80,7 @@ def mark_clouds(
             _mark_rests(ax, cloud, entry, size, sorts, resting, squares, len(pairs) == 1)
     if are_bars:
         _mark_some(ax, pairs, sorts, resting, settings, squares)
+        style.add_notes(ax.figure.figure, [THINNED])
     for turn, (cloud, entry) in itertools.product(range(TURNS), pairs):
         _mark_crowds(ax, cloud, entry, size, sorts, many, turn)
     heights = np.concatenate([np.append(one.y, one.rest_y) for one in clouds])

@@ -136,6 +136,14 @@ class CriticalLines:
         ax.set(**ranges)
         return ()
 
+    @property
+    def is_one(self) -> bool:
+        """Whether it is the same in all panels."""
+        first, *others = (
+            [np.array(one).tolist() for one in self._pieces(panel)] for panel in self.panels
+        )
+        return all(one == first for one in others)
+
     def _look(self, piece: Piece) -> dict[str, Any]:
         """A line or, of a single place, a mark."""
         look = {"ls": self.style, "lw": 1.5} if piece[0].size > 1 else PLACE | {"ls": "none"}

@@ -67,14 +67,18 @@ def not_joined(
 
 
 def broken(
-    words: str, along: object, steps: Sequence[tuple[float, float]], x: np.ndarray
+    words: str,
+    along: object,
+    steps: Sequence[tuple[float, float]],
+    x: np.ndarray,
+    what: str = "it",
 ) -> Iterator[str]:
     """What to do where lines of crossings are not joined, from one place to the next of all x."""
     for step in steps[:MOST_STEPS]:
         ends = " and ".join(labels.number_text(one, x.tolist()) for one in step)
         yield (
-            f"{words}: not joined between {along} = {ends}, where it steps by more than beside it; "
-            f"if it is one line, more values of {along} in its case join it"
+            f"{words}: not joined between {along} = {ends}, where {what} steps by more than beside "
+            f"it; if it is one line, more values of {along} in its case join it"
         )
 
 

@@ -232,15 +232,16 @@ def _told(shown: _Shown, every: Sequence[Curve], dashed: str) -> Iterator[str]:
     words = {dim: {one.words.get(dim) for one in known} for one in known for dim in one.words}
     dims = [d for d, told in words.items() if len(told) > 1 and d not in {VARIABLE, DATASET}]
     pieces = sum(one.pieces for one in known)
-    names = [
-        one.label if pieces > points.PIECES * len(known) else one.without(dashed) for one in known
-    ]
-    yield from points.of_many_lines(names, sorted(dims, key=lambda dim: dim != "initial"), pieces)
+    is_broken = pieces > points.PIECES * len(known)
+    names = [one.label if is_broken else one.without(dashed) for one in known]
+    dims.sort(key=lambda dim: dim != "initial")
+    yield from points.of_many_lines(names, dims, pieces if is_broken else 0)
     x = np.unique([place for one in every for place in one.x])
     for crossings in (True, False) if select.is_numeric(shown.axis) else ():
         told = [one for one in every if one.of_crossings == crossings and one.apart]
         for one in told if crossings else told[:MOST_TOLD]:
-            yield from broken(one.label or shown.first, shown.axis.name, one.apart, x)
+            what = "it" if crossings else "it, or another number of its motion,"
+            yield from broken(one.label or shown.first, shown.axis.name, one.apart, x, what)
 
 
 def _of_modes_alike(layers: Iterable[points.Layer]) -> Iterator[str]:

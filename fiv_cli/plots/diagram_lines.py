@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -108,7 +109,7 @@ def mark_critical(
         if at.size:
             label = points.unlisted(lines[number], told) if coloured else told
             ax.plot(at, 0.0 * at, label=label, **CRITICAL | look | {"ms": size})
-    for told, look in looks if coloured else ():
+    for told, look in dict(looks).items() if coloured else ():
         fill = style.BLACK if look["mfc"] == look["color"] else look["mfc"]
         ax.plot([], [], label=told, **CRITICAL | {"mfc": fill})
     _tell_of_those_beyond(ax, np.concatenate(places), x, f"{words} at", str(axis.name))
@@ -122,14 +123,23 @@ def _looks_of_critical(
     colours = [next(iter(_colours_of(line, known)), style.BLACK) for line in lines]
     if len({*colours}) == 1:
         colours = [style.BLACK for _ in lines]  # dashes, say, tell them
-    fills = [colours[:number].count(colour) for number, colour in enumerate(colours)]
-    if max(fills) >= len(FILLS):
+    pairs = [*zip(lines, colours, strict=True)]
+    fills = [
+        [*dict.fromkeys(one for one, its in pairs if its == colour)].index(line)
+        for line, colour in pairs
+    ]  # lines of several files that are called alike have one
+    shared = {fill: _of_all([*compress(lines, np.equal(fills, fill))]) for fill in fills}
+    if max(fills) >= len(FILLS) or not all(shared.values()):
         fills = [0 for _ in lines]
     for colour, fill in zip(colours, fills, strict=True):
-        alike = [one.split(", ") for one, its in zip(lines, fills, strict=True) if its == fill]
-        shared = ", ".join(word for word in alike[0] if all(word in one for one in alike))
-        told = f"{words}: {shared}" if any(fills) and shared else words
+        told = f"{words}: {shared[fill]}" if any(fills) else words
         yield told, {"color": colour, "mfc": FILLS[fill] or colour}
+
+
+def _of_all(names: Sequence[str]) -> str:
+    """The words that all of some names have."""
+    first, *others = (name.split(", ") for name in names)
+    return ", ".join(word for word in first if all(word in one for one in others))
 
 
 def _tell_of_those_beyond(

@@ -25,7 +25,6 @@ LEAP = 6.0  # ... or within a kind of cycle, where a square root begins steeply
 SEEN, SEEN_ALONE, GROWN = 0.02, 0.25, 0.5
 # ... or, on its both sides, the steps of a mark, and of its range: no root nor grazing does that
 CLEAR, GREAT = 12.0, 0.1
-SEEN_SURELY = 0.005  # share of its range, of what is drawn of motions that a mark tells apart so
 SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 
 
@@ -98,12 +97,22 @@ def told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> tuple[np.nda
 
 
 def _clearly(mark: np.ndarray, kinds: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
-    """Between which neighbours a mark of cycles of one kind steps far more than on both sides."""
+    """Between which neighbours a mark of cycles of one kind steps far more than on both sides, at
+    an end of a row of these than twice before it; other steps as great are passed over."""
     is_cycle = np.where(kinds % MANY > 0.0, kinds, np.nan)
     steps = np.where(is_cycle[1:] == is_cycle[:-1], np.abs(np.diff(mark)), np.nan)
-    beside = np.pad(steps, 1, constant_values=np.nan)
-    least = np.maximum(CLEAR * np.maximum(beside[:-2], beside[2:]), GREAT * np.ptp(ends))
-    return np.asarray(steps > least)
+    clear, known = np.zeros(steps.shape, bool), np.isfinite(steps)
+    for row in np.split(np.arange(steps.size), np.flatnonzero(~known)):
+        row = row[known[row]]
+        least = max(CLEAR * float(np.median(steps[row])), GREAT * np.ptp(ends)) if row.size else 0.0
+        great = row[steps[row] > least]
+        plain = np.setdiff1d(row, great)
+        for step in great.tolist():
+            before, after = plain[plain < step][-2:], plain[plain > step][:2]
+            both = before.size and after.size
+            beside = [before[-1], after[0]] if both else [*before, *after]
+            clear[step] = len(beside) == 2 and steps[step] > CLEAR * steps[beside].max()
+    return clear
 
 
 def leaps(
@@ -119,7 +128,7 @@ def leaps(
     kind: beside them, else the median of all. No value elsewhere decides on a step that is seen,
     where `shown` are the least and the greatest that are. To a cycle of the same kind it is one
     that leaps by more than the steps on both sides of it, whatever they do: where both lead to
-    other kinds, than these. Where motions `surely` differ a step need but be seen.
+    other kinds, than these. Where motions `surely` differ there need be no step.
     """
     height = np.log10(np.where(y > 0.0, y, np.nan)) if logarithmic else y
     steps, differ = np.abs(np.diff(height)), kinds[1:] != kinds[:-1]
@@ -138,5 +147,4 @@ def leaps(
     extent = float(np.ptp(np.log10(shown) if logarithmic else shown))
     least = np.where(is_alone & ~(grown & differ), SEEN_ALONE, SEEN) * extent
     least = np.maximum(np.where(differ, STEP, LEAP) * beside, least)
-    is_seen = steps > np.maximum(beside, SEEN_SURELY * extent)
-    return np.asarray((differ | grown) & (steps > least) | (surely & is_seen))
+    return np.asarray((differ | grown) & (steps > least) | (surely & np.isfinite(steps)))

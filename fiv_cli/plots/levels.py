@@ -11,7 +11,7 @@ to another, as from what rests to what vibrates; of several levels that next to 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import chain, cycle
+from itertools import chain, compress, cycle
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
@@ -26,7 +26,6 @@ from scipy import ndimage
 
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
-from fiv_cli.notation.names import listed
 from fiv_cli.plots import labels, legends, level_notes, points, style
 from fiv_cli.plots.drawn import keep_whole
 from fiv_cli.plots.level_notes import Panel
@@ -46,6 +45,7 @@ ROOM, LEAST_ROOM, BESIDE = 1.5, 0.7, 1.3
 # is one with it.
 CLEAR, ALIKE = (2.0, 1.4, 1.0), (0.4,)
 DOWNWARD = -60.0  # degrees: what would be written more steeply down is written up, as most is
+MOST_CRUMBS = 2  # pieces of a level shorter than it that have it beside them
 MOST_WRITTEN = 4  # times each of several levels: on its longest lines, not on each island
 # Of the diagonal of a panel, how far two levels on one line lie apart; of that, along the line.
 AGAIN, LONG = 0.25, 2.0
@@ -276,22 +276,44 @@ def draw(
                 drawn.append((lines, level))
     if not named:
         return ()
-    style.add_notes(ax.figure.figure, [*_too_short(ax, str(array.name), drawn, levels)])
-    return _name(ax, drawn, levels)
+    whole = [_pieces(lines) for lines, _ in drawn]  # what levels are written on is cut
+    written = _name(ax, drawn, levels)
+    if len(levels) > 1:
+        notes = _name_crumbs(ax, drawn, whole, levels)
+        style.add_notes(ax.figure.figure, [f"{array.name} = {note}" for note in notes])
+    return written
 
 
-def _too_short(
-    ax: Axes, name: str, drawn: Sequence[tuple[QuadContourSet, float]], levels: Sequence[float]
+def _name_crumbs(
+    ax: Axes,
+    drawn: Sequence[tuple[QuadContourSet, float]],
+    whole: Sequence[Sequence[np.ndarray]],
+    levels: Sequence[float],
 ) -> Iterator[str]:
-    """Of which level pieces are that have no room for its number, nor for their dashes."""
-    for lines, level in drawn:
-        text, pieces = labels.number_text(level, levels), _pieces(lines)
-        short = [one for one in pieces if _length(ax, one) < 2.0 * _half_of(ax, text)[0]]
-        if 0 < len(short) < len(pieces):
-            middles = [", ".join(f"{at:.3g}" for at in one[len(one) // 2]) for one in short]
-            more = [f"{len(short) - MOST_WRITTEN} more"] * (len(short) > MOST_WRITTEN)
-            places = listed([*(f"({middle})" for middle in middles[:MOST_WRITTEN]), *more])
-            yield f"{name} = {text}: a piece too short for its number at {places}"
+    """Write each level beside the few pieces of its lines, `whole`, that are shorter than it; say
+    where there is no room."""
+    marks, panel = [*_drawn_marks(ax)], f" in panel {ax.get_title()}" * bool(ax.get_title())
+    for (lines, level), pieces in zip(drawn, whole, strict=True):
+        text, colour = labels.number_text(level, levels), _colour_of(lines)
+        crumbs = _crumbs(ax, pieces, 2.0 * _half_of(ax, text)[0])
+        for crumb in crumbs:
+            others = [one for one in chain(*whole) if one is not crumb]
+            beside = [crumb], colour, text, others, marks
+            if len(crumbs) > MOST_CRUMBS or not _write_beside(ax, *beside):
+                at = ", ".join(f"{one:.3g}" for one in crumb[len(crumb) // 2])
+                yield f"{text}: a piece too short for its number at ({at}){panel}"
+
+
+def _crumbs(ax: Axes, pieces: Sequence[np.ndarray], length: float) -> list[np.ndarray]:
+    """The pieces of a line within a panel that are shorter than that, where some are not."""
+    short = [one for one in pieces if _length(ax, one) < length]
+    inside = (ax.viewLim.contains(*one[len(one) // 2]) for one in short)
+    return [*compress(short, inside)] if len(short) < len(pieces) else []
+
+
+def _colour_of(lines: QuadContourSet) -> Any:
+    """The one that lines of a level have."""
+    return lines.get_edgecolor()[0]
 
 
 def _dash_short_pieces(ax: Axes, lines: QuadContourSet) -> None:
@@ -376,7 +398,8 @@ def _name(
     for lines, level, places in hidden:
         others = [piece for one, of in drawn if of != level for piece in _pieces(one)]
         text = labels.number_text(level, levels)
-        if not (is_beside := _write_beside(ax, lines, text, [*others, *crossing], marks)):
+        whole = _pieces(lines), _colour_of(lines), text, [*others, *crossing], marks
+        if not (is_beside := _write_beside(ax, *whole)):
             _write_on(ax, lines, level, levels, places)
         told |= {level} if is_beside or places else set()
     return told
@@ -456,7 +479,8 @@ def _from_both(line: np.ndarray, half: float, others: Sequence[np.ndarray]) -> l
 
 def _write_beside(
     ax: Axes,
-    lines: QuadContourSet,
+    lines: Sequence[np.ndarray],
+    colour: ColorType,
     text: str,
     others: Sequence[np.ndarray],
     marks: Sequence[np.ndarray],
@@ -467,8 +491,8 @@ def _write_beside(
     line than to `others`, and upon none of the `marks`; with a stroke to the line.
     """
     height, half, pixels = _height(ax), _half_of(ax, text), ax.transData.transform
-    own, far, hidden = (_lying(ax, pieces) for pieces in (_pieces(lines), others, marks))
-    line = max((pixels(piece) for piece in _pieces(lines)), key=_extent, default=own)
+    own, far, hidden = (_lying(ax, pieces) for pieces in (lines, others, marks))
+    line = max((pixels(piece) for piece in lines), key=_extent, default=own)
     line = _thinned(_dense(line, STEP * height), MOST_BESIDE)
     middle = line[np.argsort(np.abs(np.arange(len(line)) - len(line) // 2))]
     places = (middle[:, None] + WAYS * (half + BY * height)).reshape(-1, 2)
@@ -487,7 +511,7 @@ def _write_beside(
     best = np.flatnonzero(free)[np.lexsort([key[free] for key in (near, off, at_end)])[:1]]
     for place, nearest in zip(places[best], feet[best], strict=True):
         here, foot = map(tuple, ax.transData.inverted().transform([place, nearest]).tolist())
-        colour, size = lines.get_edgecolor()[0], mpl.rcParams["legend.fontsize"]
+        size = mpl.rcParams["legend.fontsize"]
         look: dict[str, Any] = {"ha": "center", "va": "center", "zorder": OVER_MARKS}
         look["path_effects"] = HALO
         ax.annotate(text, foot, here, fontsize=size, color=colour,

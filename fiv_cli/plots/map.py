@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import cycle, islice, product
+from itertools import cycle, islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -50,6 +50,7 @@ UNDECIDED = "undecided"
 RIM = 0.5  # pt: of points that lines would cover
 # Values of an axis that all have a tick where their steps differ by more: cells lie half-way.
 FEW, UNEVEN = 8, 1.5
+LINES_APART = 0.05  # of a panel: numbers that stand one above another
 FINE = 40  # points along an axis, of which more have cells as narrow as a line
 MOST_COUNTS = 12  # that have a shade each
 NOT_RUN = "where it may be, points were filled in, which have a class and no number"
@@ -59,6 +60,7 @@ MIDDLE = "undecided points: middle of least and greatest"
 EXTENDED = {(False, False): "neither", (True, False): "min", (False, True): "max",
             (True, True): "both"}  # fmt: skip
 SHADES = 512  # of a colour bar
+FAINTEST = 0.25  # share of a shade, of which less is not told from none
 BELOW = "#DDDDDD"  # of numbers that have no logarithm
 MISSING, HATCHING = "#D8D8D8", "#8A8A8A"
 
@@ -492,7 +494,11 @@ def _overlaid(
         )
     figure, (ax,) = style.new_panels(1, 1, points.title(planes.dataset))
     if not own:
-        raise UsageError("maps are overlaid as lines, and no `level` says which")
+        name = planes.array.name
+        raise UsageError(
+            f"maps are overlaid as lines, and no level of {name} says which\n"
+            f"next: level = NUMBER, or {{ {name} = NUMBER }} beside others"
+        )
     if not level_notes.have_lines(own[0].ends, own[0].levels):
         reach = "next: levels between the least and the greatest value, which fiv show has"
         raise EmptyFigureError("\n".join([*own[0].missed, reach]))
@@ -502,9 +508,11 @@ def _overlaid(
     # an axis without points of its own would be as large as the lines alone
     ax.set(**{f"{w}lim": (at.min(), at.max()) for w, at in zip("xy", planes.places, strict=True)})
     points.scale(ax, settings)
-    for line, panel in product(exact, planes.panels):
-        line.draw(ax, panel, style.BLACK)
     shown = [*zip(named, own[0].drawn, strict=True)]
+    for line in exact:
+        colours = [style.BLACK] if line.is_one else style.line_colours(len(named))
+        for panel, colour in zip(planes.panels, colours, strict=False):
+            line.draw(ax, panel, colour)
     others = [key for line in exact for key in line.keys(style.BLACK)]
     levels.overlay(ax, planes.array, shown, planes.places, own[0].levels, others)
     missed = [word for line in exact for word in line.missed]
@@ -597,25 +605,34 @@ def refuse_many(panels: Sequence[points.Line], array: xr.DataArray, spread: Sequ
 
 def _dress(ax: Axes, number: int, columns: int, planes: _Planes) -> None:
     ax.grid(False)
+    room = style.letters(ax.figure.figure) // columns - SIDE
     if number + columns >= len(planes.panels):  # nothing below it
         points.dress_axis(ax, planes.axes[0], "x")
-        room = style.letters(ax.figure.figure) // columns - SIDE
         if columns > 1 and style.longest([ax.get_xlabel()]) > MOST_FOLDED * room:
             ax.set_xlabel(labels.short_label(planes.axes[0]))
         ax.tick_params(labelbottom=True)
-        _tick_few(ax.xaxis, planes.axes[0])
+        _tick_few(ax.xaxis, planes.axes[0], room, is_x=True)
     if number % columns == 0:
         points.dress_axis(ax, planes.axes[1], "y")
-        _tick_few(ax.yaxis, planes.axes[1])
+        _tick_few(ax.yaxis, planes.axes[1], room, is_x=False)
     ax.set_title(planes.panels[number].label)
 
 
-def _tick_few(drawn: Axis, axis: xr.DataArray) -> None:
-    """A tick at each of a few values that are far from even: their cells do not show where."""
-    values = points.positions(axis)
-    steps = np.abs(np.diff(values))
+def _tick_few(drawn: Axis, axis: xr.DataArray, room: int, *, is_x: bool) -> None:
+    """A tick at each of a few values that are far from even: their cells do not show where.
+
+    Of those so near that their numbers, of which `room` letters stand side by side, would lie on
+    one another the first has one.
+    """
+    values = np.sort(points.positions(axis))
+    steps = np.diff(values)
     if 2 < values.size <= FEW and steps.max() > UNEVEN * steps.min():
-        drawn.set_ticks(values)
+        letters = style.longest([labels.number_text(one, values.tolist()) for one in values])
+        apart = np.ptp(values) * ((2 + letters) / room if is_x else LINES_APART)
+        told = [values[0]]
+        told += [one for one in values[1:] if one - told[-1] >= apart]
+        drawn.set_ticks(told)
+        drawn.set_ticks(values, minor=True)
 
 
 def _paint_classes(
@@ -717,6 +734,9 @@ def _paint_numbers(
     unsure = _unsure(planes)[MIDDLE]
     if is_count(str(planes.array.name)):  # between one and two there is no number
         values = values.where(~unsure)
+    if logarithmic and difference:  # of one motion twice there is rounding alone
+        rounding = style.ROUNDING * float(np.abs(values).max())
+        values = values.where(~(np.abs(values) <= rounding), 0.0)
     low, high = shades or _shades(planes, values, logarithmic)
     if logarithmic and not shades:  # below the shades there is that of zero alone
         values = values.where(~planes.on_its_way | ~(values < low))
@@ -727,17 +747,19 @@ def _paint_numbers(
     least = 0.0 if logarithmic and low > 0.0 else -np.inf  # a logarithm paints no zero
     signed = not (logarithmic or counted) and (difference or low < 0.0 < high)
     colours = _of_both_signs(low, high) if signed else colormaps["cividis"]
-    colours = colours.with_extremes(under=BELOW)
     for ax, panel in zip(axes, planes.panels, strict=False):
         plane = planes.of(values, panel)
-        shown = np.where(plane <= least, 0.5 * low, np.clip(plane, low, high))
-        image = planes.mesh(ax, shown, cmap=colours, norm=norm)
+        painted = np.where(plane > least, np.clip(plane, low, high), np.nan)
+        image = planes.mesh(ax, painted, cmap=colours, norm=norm)
+        if (plane <= least).any():
+            below = np.where(plane <= least, 0.0, np.nan)
+            planes.mesh(ax, below, cmap=ListedColormap([BELOW]))
         hatch(ax, np.isnan(plane))
     # which contact, where one of several is shown
     of_several = str(planes.dataset.attrs.get("of_several", ""))
     figure.colorbar(
         image, ax=list(axes), label=points.joined(labels.axis_label(planes.array), of_several),
-        extend=EXTENDED[bool((known < low).any()), bool((known > high).any())],
+        extend=EXTENDED[bool(((known > least) & (known < low)).any()), bool((known > high).any())],
         ticks=np.arange(low, high + 1.0) if counted else None,
     )  # fmt: skip
     if (known <= least).any():
@@ -775,10 +797,12 @@ def _with_rests(planes: _Planes, values: xr.DataArray) -> xr.DataArray:
 
 
 def _of_both_signs(low: float, high: float) -> Colormap:
-    """Colours from one number to another that part at zero, which is white, to both sides alike."""
-    greatest = max(abs(low), abs(high)) or 1.0
-    shares = 0.5 + 0.5 * np.linspace(low, high, SHADES) / greatest
-    return ListedColormap(colormaps["PRGn"](shares))
+    """Colours from one number to another that part at zero, which is white, to both sides alike;
+    the least beside it is told from that."""
+    shares = np.linspace(low, high, SHADES) / (max(abs(low), abs(high)) or 1.0)
+    seen = np.sign(shares) * (FAINTEST + (1.0 - FAINTEST) * np.abs(shares))
+    seen[np.abs(shares) < 0.5 * np.ptp(shares) / SHADES] = 0.0
+    return ListedColormap(colormaps["PRGn"](0.5 + 0.5 * seen))
 
 
 def _norm(low: float, high: float, *, logarithmic: bool, counted: bool) -> Normalize:

@@ -155,10 +155,16 @@ def with_named_places(
 ) -> tuple[Sequence[Layer], Settings]:
     """Layers along a few values that advance together, none of which orders them: their places are
     called by all of these. Not where the figure names the axis."""
-    axis = None if "x" in settings else abscissa(layers[0].dataset, settings)
-    if axis is None or not select.is_numeric(axis) or _is_ordered(axis) or axis.size > MOST_TICKS:
+    if {"x", "xlim"} & {*settings} or is_logarithmic(settings, "x"):
         return layers, settings
+    axis = abscissa(layers[0].dataset, settings)
     dim = str(axis.dims[0])
+    if not select.is_numeric(axis) or _is_ordered(axis) or axis.size > MOST_TICKS:
+        return layers, settings
+    along = [one for one in _axes_along(layers[0].dataset, dim) if select.is_numeric(one)]
+    ordered = [str(one.name) for one in along if _is_ordered(one)]
+    if ordered and all(_is_ordered(one, standing=True) for one in along):
+        return layers, {**settings, "x": ordered[0]}
     if not all(dim in one.dataset.dims for one in layers):
         return layers, settings
     named = [replace(one, dataset=_at_named_places(one.dataset, dim)) for one in layers]
@@ -166,10 +172,12 @@ def with_named_places(
     return (named, {**settings, "x": dim}) if len(places) == 1 else (layers, settings)
 
 
-def _is_ordered(axis: xr.DataArray) -> bool:
-    """Whether its values rise throughout, or fall, or are the only ones along their dim."""
+def _is_ordered(axis: xr.DataArray, *, standing: bool = False) -> bool:
+    """Whether its values rise throughout, or fall, or are those of their dim; `standing`: or stand
+    still in part."""
     steps = np.diff(axis.values)
-    return axis.name == axis.dims[0] or bool((steps > 0.0).all() or (steps < 0.0).all())
+    falls, rises = (steps < 0.0, steps > 0.0) if not standing else (steps <= 0.0, steps >= 0.0)
+    return axis.name == axis.dims[0] or bool(falls.all() or rises.all())
 
 
 def _at_named_places(dataset: xr.Dataset, dim: str) -> xr.Dataset:
@@ -214,11 +222,16 @@ def dress_axis(ax: Axes, axis: xr.DataArray, which: str) -> None:
     spine = ax.xaxis if which == "x" else ax.yaxis
     spine.set_label_text(", ".join([labels.axis_label(axis), *_advancing_with(axis)]))
     if not select.is_numeric(axis):
-        most = style.letters(ax.figure.figure) // (1 + axis.size) if which == "x" else LEAST_LETTERS
-        words = [style.folded(style.worded(str(value)), most) for value in axis.values]
-        beside = style.letters(ax.figure.figure) // (2 + style.longest(words))
-        room = beside if which == "x" else MOST_TICKS
-        kept = np.arange(0, axis.size, -(-axis.size // max(1, room)))
+        words = [style.worded(str(value)) for value in axis.values]
+        room = style.letters(ax.figure.figure)
+        folded = [style.folded(word, max(1, room // len(words) - 2)) for word in words]
+        fits = style.longest(folded) <= room // len(words) - 2
+        if which == "x" and not fits and len(words) <= MOST_TICKS:
+            ax.tick_params("x", rotation=90.0)
+        is_thinned = which == "x" and len(words) > MOST_TICKS
+        beside = max(1, room // (2 + style.longest(words))) if is_thinned else MOST_TICKS
+        kept = np.arange(0, axis.size, -(-axis.size // beside))
+        words = folded if which == "x" and fits else words
         spine.set_ticks(kept, labels=[words[place] for place in kept])
 
 
@@ -544,19 +557,19 @@ def colours_of(names: Sequence[str]) -> dict[str, ColorType]:
 def of_many_lines(
     names: Sequence[str], dims: Sequence[str] = ("initial",), pieces: int = 0
 ) -> list[str]:
-    """What to do where lines that differ in more than one parameter are too many for colours or, of
-    some in `pieces`, in too many of these.
+    """What to do where lines that differ in more than one parameter are too many for colours or, in
+    many `pieces`, for dashes.
 
     Parameters
     ----------
     dims : of which they have several values
     """
     distinct = [*dict.fromkeys(map(stem, names))]
-    most = MANY_IN_PIECES if pieces > PIECES * len(distinct) else len(style.LINES)
+    most = MANY_IN_PIECES if pieces else len(style.LINES)
     if len(distinct) <= most or len(_of_one_parameter(distinct)) == 1:
         return []
     some = f"select = {{ {dims[0]} = ... }}" if dims else "fewer under variable"
-    told = f" in {pieces} pieces" * (most < len(style.LINES))
+    told = f" in {pieces} pieces" * bool(pieces)
     return [f"{len(distinct)} lines{told} are hard to tell apart; {some}, say, takes some of them"]
 
 

@@ -414,7 +414,8 @@ def _left_behind(scheduler: Scheduler, output: Path) -> str:
     if unwritten:
         return unwritten
     if _partial(journal):
-        return f"{output} holds what is done, and is marked partial"
+        waiting = "; its workers had brought no point yet" * scheduler.awaits
+        return f"{output} holds what is done, and is marked partial{waiting}"
     return f"{output} is whole"
 
 

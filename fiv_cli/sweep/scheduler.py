@@ -113,6 +113,8 @@ class Scheduler:
     policy : how to run
     progress : told what happens
     log : writes a line into the log of the run
+    ran : how many points were run
+    awaits : whether workers were started, and none has brought a point yet
     """
 
     journal: Journal
@@ -120,6 +122,7 @@ class Scheduler:
     progress: Progress
     log: Callable[[str], None]
     ran: int = 0
+    awaits: bool = False
     _paces: defaultdict[int, Pace] = field(default_factory=lambda: defaultdict(Pace))
     _workers: Workers | None = None
     _flights: dict[int, Job] = field(default_factory=dict)
@@ -219,7 +222,7 @@ class Scheduler:
         while (queue.left and not self._full()) or self._flights or self._holding():
             ending.heed()
             if self._workers is None and self._wants_workers(pace, queue):
-                self._workers = self._started_workers()
+                self._workers, self.awaits = self._started_workers(), True
             if self._workers is None:
                 self._run_here(index, queue, pace)
             else:
@@ -329,7 +332,7 @@ class Scheduler:
         completed = workers.completed(GLANCE)
         ending.heed()  # before workers that were ended with this process count as dead
         for number, result in completed:
-            self._fruitless = 0
+            self._fruitless, self.awaits = 0, False
             self._accept(index, queue, pace, self._flights.pop(number), result)
         if not completed:
             self._tell_what_goes_on(index, workers)
