@@ -1648,3 +1648,18 @@ def test_many_starts_do_not_print_their_labels_over_each_other():
 def test_kinds_of_one_dataset_refuse_several():
     with pytest.raises(UsageError, match="shows one dataset"):
         draw([("a", data.stability_map()), ("b", data.stability_map())], figure("map"))
+
+
+def test_marks_of_a_partial_run_are_as_large_as_those_there_are_have_room():
+    """Two points of 8001 were specks."""
+    classes = np.full((4000, 1), "not_computed", object)
+    classes[:2] = "periodic"
+    rows = [[0.1], [0.2], *([[]] * 3998)]
+    axes = data.axes(Omega=np.arange(4000.0), initial=["far"])
+    found = data.response(classes, np.ones((4000, 1)), axes, rows=rows)
+    sizes = [
+        max(line.get_markersize() for line in ax.lines if line.get_marker() == ".")
+        for one in (found, found.assign_attrs(partial="2 of 4000 points"))
+        for ax in draw(one, figure("bifurcation")).axes
+    ]
+    assert sizes[1] > 1.5 * sizes[0]

@@ -108,14 +108,15 @@ def test_what_a_file_differs_in_is_named_once():
 
 
 @pytest.mark.parametrize(
-    ("direction", "told"), [("both", ""), ("up", ", rising"), ("down", ", falling")]
+    ("direction", "told"),
+    [("both", "= 0"), ("up", "rising through 0"), ("down", "falling through 0")],
 )
 def test_values_are_told_with_the_section_that_they_are_passed_at(direction, told):
     section = {"kind": "zero", "state": "phi_dot", "direction": direction, "contact": 1}
     analyses = {"response": {"kind": "response", "settings": {"section": section}}}
     dataset = data.bifurcation().assign_attrs(analyses_json=json.dumps(analyses))
     (ax,) = draw(dataset, figure("bifurcation")).axes
-    assert ax.get_ylabel() == rf"$\varphi$ at $\dot{{\varphi}}$ = 0{told} (rad)"
+    assert ax.get_ylabel() == rf"$\varphi$ at $\dot{{\varphi}}$ {told} (rad)"
 
 
 def test_a_figure_names_the_parameters_that_were_set_by_hand():

@@ -20,7 +20,7 @@ from fiv_cli.errors import EmptyFigureError, UsageError
 from fiv_cli.flags import SECTION
 from fiv_cli.plots import branch, labels, legends, points, style
 from fiv_cli.plots.cloud_marks import mark_clouds
-from fiv_cli.plots.clouds import DEFAULT, clouds_of, observed_state, shared_apart
+from fiv_cli.plots.clouds import DEFAULT, clouds_of, observed_state, places_of, shared_apart
 from fiv_cli.plots.diagram_lines import (
     Equilibria,
     draw_cycles,
@@ -58,7 +58,7 @@ SECTION_WORDS = {
     "turning_point": "a turning point",
     "impact": "an impact",
 }
-PASSING = {"up": ", rising", "down": ", falling", "both": ""}
+PASSING = {"up": "rising through 0", "down": "falling through 0", "both": "= 0"}
 
 
 def suits(dataset: xr.Dataset) -> bool:
@@ -88,7 +88,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
         if not any(layer.dataset is one.dataset for one in shown):
             _refuse_apart(layer, shown, axis, observed)
     before = len(ax.lines)
-    mark_clouds(ax, clouds, axis.size, figure.get_figwidth(), settings)
+    columns = axis.size if not first.attrs.get("partial") else places_of(clouds).size
+    mark_clouds(ax, clouds, columns, figure.get_figwidth(), settings)
     marks = ax.lines[before:]
     along = [one for one in others if branch.is_along(one, str(axis.name), observed)]
     framed = _as_the_grid(settings, axis, along)
@@ -324,7 +325,7 @@ def _section_words(shown: Sequence[points.Layer]) -> str:
     sections = {one for layer in shown for one in sections_of(layer.dataset, "response")}
     kind, contact, *of = next(iter(sections)) if len(sections) == 1 else ("", 1)
     if kind == "zero":
-        return f"${labels.symbol_of_name(str(contact))}$ = 0{PASSING[str(of[0])]}"
+        return f"${labels.symbol_of_name(str(contact))}$ {PASSING[str(of[0])]}"
     if kind not in SECTION_WORDS:
         return "the section"
     several = any(layer.dataset.sizes.get("contact", 1) > 1 for layer in shown)

@@ -80,7 +80,9 @@ def _still(datasets: Sequence[xr.Dataset]) -> set[str]:
 def _given(dataset: xr.Dataset) -> Iterator[str]:
     """The names of the parameters and of the law that the case of a dataset gives, or varies."""
     case = case_of(dataset.attrs)
-    yield from (str(name) for name, axis in dataset.coords.items() if axis.dims == (name,))
+    axes = (str(name) for name, axis in dataset.coords.items() if axis.dims == (name,))
+    is_one = "n_crossings" in dataset and bool((dataset["n_crossings"] <= 1).all())
+    yield from (name for name in axes if not (name == "crossing" and is_one))
     yield from _table(_table(case, "model"), "parameters")
     yield from _table(case, "friction")
     yield from _table(_table(case, "model"), "options")

@@ -83,6 +83,11 @@ def clouds_of(
         yield Cloud(family, start, *at_section, *at_rest)
 
 
+def places_of(clouds: Sequence[Cloud]) -> np.ndarray:
+    """Where some clouds have values or rest."""
+    return np.unique(np.concatenate([own for one in clouds for own in (one.x, one.rest_x)]))
+
+
 def shared_apart(clouds: Sequence[Cloud]) -> Iterator[Cloud]:
     """With a cloud of its own for what all starts lead to: their marks would be a tangle."""
     for _, group in itertools.groupby(clouds, lambda cloud: cloud.family):
@@ -96,7 +101,7 @@ def shared_apart(clouds: Sequence[Cloud]) -> Iterator[Cloud]:
 
 def _where_alike(clouds: Sequence[Cloud]) -> np.ndarray:
     """The places at which all have the same values, and rest alike."""
-    places = np.unique(np.concatenate([clouds[0].x, clouds[0].rest_x]))
+    places = places_of(clouds[:1])
     heights = np.concatenate([own for one in clouds for own in (one.y, one.rest_y)])
     off = SAME * np.abs(heights).max(initial=0.0)
     alike = [
