@@ -435,8 +435,8 @@ def is_retried(name: str) -> bool:
 
 ADVICE_OF = {
     ("no_crossing", "boundary"): "the answer to `of` is the same wherever it was looked at in the "
-    "bracket (scan_class says which class holds): widen the bracket, look at more points (scan), "
-    "ask for another class (of), or start elsewhere, in the basin of another motion",
+    "bracket (scan_class says which class holds): start elsewhere, in the basin of another motion, "
+    "widen the bracket, look at more points (scan), or ask for another class (of)",
     ("time_budget", "response"): "the motion had not settled by half of t_max, from where on it is "
     f"measured: {LONGER}; another section decides some",
     **{

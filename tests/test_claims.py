@@ -593,6 +593,20 @@ def test_a_trend_names_its_wrong_steps_and_may_hold_for_a_share_of_them():
     assert tried(dataset, "L_s", "increasing", holds=0.6).verdict == CONFIRMED
 
 
+def test_a_trend_of_shares_tells_of_wrong_steps_that_their_errors_may_hide():
+    """A step up by less than two standard errors, and one of none, were told as any other."""
+    named = [f"many-{i:03d}" for i in range(8)]
+    counts = [8, 5, 6, 0, 0]
+    classes = [["periodic"] * n + ["equilibrium"] * (8 - n) for n in counts]
+    axes = data.axes(mu_k=np.arange(5.0), initial=named)
+    dataset = data.response(np.array(classes, object), np.zeros((5, 8)), axes)
+    take = {"what": "share", "of": "periodic", "over": ["initial"]}
+    said = claim("attractor", "decreasing", take=take)
+    verdict = evaluate(said, {"": dataset}, lambda case: None, {"many"})
+    assert verdict.verdict == CONTRADICTED
+    assert "1 the other way by less than two of these, 1 of none" in verdict.found
+
+
 def test_steps_to_and_from_an_open_point_are_open():
     dataset = sweep(["periodic", "undecided", "periodic", "periodic"], L_s=[1, 9, 3, 4])
     verdict = tried(dataset, "L_s", "increasing")

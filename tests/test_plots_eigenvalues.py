@@ -396,7 +396,7 @@ def test_what_several_laws_hold_in_stick_is_one_line_with_the_end_of_each():
     alike = draw_laws(["coulomb", "exponential"])  # one mark would hide the other
     black = [line for line in alike.axes[0].lines if line.get_color() == style.BLACK]
     assert [line.get_marker() for line in black if len(line.get_xdata())] == ["None", "_"]
-    assert legend_texts(alike)[-1] == "held in stick"
+    assert legend_texts(alike)[-1] == "held in stick, to the marks"
     assert legend_texts(draw_laws(["coulomb", "dahl"], called=["A", "B"]))[:2] == ["A", "B"]
     assert "held in stick" not in legend_texts(draw_laws(["dahl", "lugre"]))  # neither sticks
 

@@ -973,6 +973,13 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
     (line,) = [one for one in ax.lines if "critical value" in str(one.get_label())]
     assert line.get_ydata().tolist() == (4.0 * many).tolist()
     assert "critical value of $N_{0}$" in legend_texts(ax.figure)
+    level = {"whole:critical_value": "N0", "few:critical_value": "N0"}
+    of_both = [response, figure("map", x="Omega", y="N0", level=level)]
+    keys = [text for text in legend_texts(draw(*of_both)) if "critical" in text]
+    assert keys == [f"critical value of $N_{{0}}$, {name}" for name in ("whole", "few")]
+    of_both[1] = figure("map", x="Omega", y="N0", level=level, words={"few:critical_value": "mine"})
+    mine = legend_texts(draw(*of_both))
+    assert {"critical value of $N_{0}$, whole", "mine"} <= {*mine}
     (straight,), (apart,) = notes["few"], notes["leap"]
     assert f"straight between its {few.size} values of Omega" in straight
     ends = [words.number_text(one, many.tolist()) for one in many[8:10]]
@@ -1394,6 +1401,19 @@ def test_numbers_of_both_signs_and_differences_have_shades_that_part_at_zero():
             np.testing.assert_allclose(mesh.to_rgba(value), colormaps["PRGn"](share), atol=0.02)
     plain = draw(data.stability_map(), figure("map", variable="L_s"))
     assert plain.findobj(QuadMesh)[0].get_cmap().name == "cividis"
+    several["L_s"] = several["L_s"].copy(deep=True)
+    several["L_s"][..., 1] = several["L_s"][..., 0] * (1.0 + 1e-15)  # but for rounding
+    several["L_s"][0, 0, 1] += 1.0
+    for log in (False, "z"):
+        drawn = draw(several, figure("map", variable="L_s", take=taken, log=log, zlim=[0.1, 2.0]))
+        assert "difference = 0" in legend_texts(drawn)
+        assert drawn.findobj(QuadMesh, include_self=False)[0].colorbar.extend in ("neither", "min")
+    growing = with_growth()
+    growing["eigenvalues"]["growth_rate"] = abs(growing["eigenvalues"]["growth_rate"])
+    (mesh, *_) = draw(growing["eigenvalues"], figure("map", variable="growth_rate")).findobj(
+        QuadMesh
+    )
+    assert mesh.get_cmap().name != "cividis"  # as that of one whose growth has both signs
 
 
 def test_of_several_modes_a_map_has_the_line_of_the_one_that_is_selected():

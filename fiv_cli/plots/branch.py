@@ -222,8 +222,13 @@ def is_along(dataset: xr.Dataset, parameter: str, observed: str) -> bool:
 
 def leads_along(dataset: xr.Dataset, parameter: str) -> bool:
     """Whether it holds branches along `parameter`, of whichever state they tell."""
+    return parameter_of(dataset) == parameter
+
+
+def parameter_of(dataset: xr.Dataset) -> str:
+    """The parameter along which it holds branches; "" of one that holds none."""
     words = str(dataset[ALONG].attrs.get("long_name", "")) if suits(dataset) else ""
-    return words.startswith(f"{parameter} ")
+    return words.partition(" ")[0]
 
 
 def changes(dataset: xr.Dataset) -> np.ndarray:

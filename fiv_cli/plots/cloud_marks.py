@@ -36,6 +36,7 @@ ONE_PLACE = 0.01  # of the extent of all clouds: values that lie so close are on
 OVER_ENDS = 4.6  # of marks that lie over those of the ends of branches, and are seen there
 EDGE = 0.5  # pt: of marks that lie on lines of another colour
 SEEN_BEHIND = 1.2  # share by which dots of the first of many sorts are wider than of the last
+SEEN_AMONG = 2.0  # pt: of pale dots in columns beside which others stand
 FINEST = 0.6  # pt: of smaller dots nothing is seen in print
 WIDER = 0.8  # share by which a dot that lies beneath another is wider, for each of these
 THINNED = (
@@ -245,10 +246,11 @@ def _mark_crowds(
     seen = 1.0 + SEEN_BEHIND * (sorts - 1 - entry.number) / sorts
     fine = seen * max(FINEST, FINER * style.finer(int(cloud.crowded.sum())) * size)
     look = style.mark_of(0, 1, fine) | {"ls": "none", "rasterized": many}
+    among = {"zorder": 2.5, "ms": max(float(look["ms"]), SEEN_AMONG)}
     of_turn = cloud.crowded & ((turn == 0) | (np.cumsum(cloud.crowded) % TURNS == turn))
     for part, colour, told, above in (
         (of_turn & ~cloud.undecided, entry.colour, "", {}),
-        (of_turn & cloud.undecided, style.pale(entry.colour), UNSETTLED, {"zorder": 2.5}),
+        (of_turn & cloud.undecided, style.pale(entry.colour), UNSETTLED, among),
     ):
         if part.any():
             label = DECORATION if turn else points.unlisted(entry.label, told)

@@ -37,7 +37,10 @@ Joined = tuple["xr.DataArray", np.ndarray, list[list[crossings.Place]]]
 
 @dataclass(frozen=True)
 class CriticalLines:
-    """A variable along one axis of the `mapped`, whose values lie `upright`, along the other."""
+    """A variable along one axis of the `mapped`, whose values lie `upright`, along the other.
+
+    It is `called` by that, or as the variable is.
+    """
 
     mapped: xr.Dataset
     axes: tuple[xr.DataArray, xr.DataArray]
@@ -46,6 +49,7 @@ class CriticalLines:
     name: str
     upright: str
     style: Any
+    called: str = ""
 
     @property
     def missed(self) -> list[str]:
@@ -151,7 +155,8 @@ class CriticalLines:
 
     @property
     def _words(self) -> str:
-        return labels.with_symbols(str(self.dataset[self.name].attrs["long_name"]))
+        own = str(self.dataset[self.name].attrs["long_name"])
+        return self.called or labels.with_symbols(own)
 
     def _pieces(self, panel: points.Line) -> list[Piece]:
         """The lines that have a part within a panel."""

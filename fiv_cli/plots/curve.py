@@ -125,8 +125,11 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
             mark_critical(ax, other, datasets, shown.axis, of_largest=GROWTH in own)
     gaps = ("undecided", *points.ENDED) if [*shown.parts] == ["attractor"] else ()
     points.dress(axes, _with_gaps(shown.along), shown.of_panels, gaps)
-    if any(curve.leaves_class for place, curve in drawn if place not in shown.bare):
-        style.add_to_caption(figure, "lines break where the class of motion changes")
+    joined = [curve for place, curve in drawn if place not in shown.bare]
+    broken_at = ["the class of motion changes"] * any(curve.leaves_class for curve in joined)
+    broken_at += ["their numbers leap"] * any(curve.apart for curve in joined)
+    if broken_at:
+        style.add_to_caption(figure, f"lines break where {' or '.join(broken_at)}")
     style.add_notes(figure, [*dict.fromkeys(_told(shown, [curve for _, curve in drawn], dashed))])
     return figure
 
@@ -287,11 +290,17 @@ def _alone_unnamed(layers: Sequence[points.Layer], axis: xr.DataArray) -> list[p
 
 
 def _of_branches_not_drawn(parts: Mapping[str, _Parts], axis: xr.DataArray) -> Iterator[str]:
-    """What to do where a branch along the abscissa tells nothing of what is drawn."""
+    """What to do where a branch along the abscissa tells nothing of what is drawn, or where one
+    leads along another parameter."""
     for name, own in parts.items():
         for layer in own.values():
             dataset, (state, _, of) = layer.dataset, name.rpartition("_")
             leads = branch.leads_along(dataset, str(axis.name))
+            if of in branch.OF_EXTREMES and not leads and (along := branch.parameter_of(dataset)):
+                yield (
+                    f"{name} of one cycle at each {axis.name}: its branch along {along} is in "
+                    f"--figure branch, or over a response along {along} in a file before it"
+                )
             if not leads or _is_told_beside(layer, own, name, axis):
                 continue
             if not dataset[branch.ALONG].size:

@@ -91,9 +91,10 @@ def _draw(laws: Sequence[Given], names: Sequence[str], fastest: float) -> Figure
     ax.set_ylabel("$F_T$ (N)" if any(forces) else ratio)
     ax.set_xlabel(r"slip velocity $v_\mathrm{rel}$ (m/s)")
     if held := {_held(*given) for given in laws} - {0.0}:
-        several = len(held) > 1
-        marks: dict[str, Any] = {"marker": "_", "ms": TICK, "mew": 1.2} if several else {}
-        told = f"held in stick{': each law to its mark' * several}"
+        several: dict[str, Any] = {"marker": "_", "ms": TICK, "mew": 1.2}
+        marks = several if len(laws) > 1 else {}
+        to = (": each law to its mark" if len(held) > 1 else ", to the marks") * bool(marks)
+        told = f"held in stick{to}"
         ax.plot([], [], STICK, color=style.BLACK, lw=1.2, label=told, **marks)
     style.add_notes(figure, [*_flattened(laws, fastest)])
     legends.colour_keys([ax])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import cycle, islice
 from typing import TYPE_CHECKING, Any
@@ -60,6 +60,7 @@ MIDDLE = "undecided points: middle of least and greatest"
 EXTENDED = {(False, False): "neither", (True, False): "min", (False, True): "max",
             (True, True): "both"}  # fmt: skip
 SHADES = 512  # of a colour bar
+SIGNED = ("growth_rate", "lyapunov")  # whose maps have the colours of both signs, whatever they are
 FAINTEST = 0.25  # share of a shade, of which less is not told from none
 BELOW = "#DDDDDD"  # of numbers that have no logarithm
 MISSING, HATCHING = "#D8D8D8", "#8A8A8A"
@@ -347,6 +348,8 @@ def _lines(
         if isinstance(own, str)
         for one in _of_each_start(_holding(layer, name), planes, name)
     ]
+    exact = [one for one in found if isinstance(one, CriticalLines)]
+    found = [*_named_apart(exact, settings.get("words", {}))]
     for name, own in wanted.items():
         is_own = name == planes.array.name
         if not isinstance(own, str) and own:
@@ -362,6 +365,17 @@ def _lines(
             dashes = _dashes(own, styles[is_own])
             found.append(_Lines(over, own, dashes, is_own, numbered, border))
     return found
+
+
+def _named_apart(lines: Sequence[CriticalLines], words: Collection[str]) -> Iterator[CriticalLines]:
+    """Exact lines, those that are called alike by what their cases differ in, or by names that the
+    figure has `words` for."""
+    called = [str(one.dataset[one.name].attrs["long_name"]) for one in lines]
+    files = [(one.name.rpartition(":")[0], one.dataset) for one in lines]
+    names = labels.told_apart(files) if len(lines) > 1 else [""]
+    for one, word, name in zip(lines, called, names, strict=False):
+        told = one.name if one.name in words else points.joined(labels.with_symbols(word), name)
+        yield one if called.count(word) == 1 else replace(one, called=told)
 
 
 def _of_each_start(dataset: xr.Dataset, planes: _Planes, name: str) -> list[xr.Dataset]:
@@ -734,7 +748,7 @@ def _paint_numbers(
     unsure = _unsure(planes)[MIDDLE]
     if is_count(str(planes.array.name)):  # between one and two there is no number
         values = values.where(~unsure)
-    if logarithmic and difference:  # of one motion twice there is rounding alone
+    if difference:  # of one motion twice there is rounding alone
         rounding = style.ROUNDING * float(np.abs(values).max())
         values = values.where(~(np.abs(values) <= rounding), 0.0)
     low, high = shades or _shades(planes, values, logarithmic)
@@ -745,7 +759,8 @@ def _paint_numbers(
     counted = whole and high - low < MOST_COUNTS and not logarithmic
     norm = _norm(low, high, logarithmic=logarithmic, counted=counted)
     least = 0.0 if logarithmic and low > 0.0 else -np.inf  # a logarithm paints no zero
-    signed = not (logarithmic or counted) and (difference or low < 0.0 < high)
+    is_signed = difference or str(planes.array.name).rpartition(":")[2] in SIGNED
+    signed = not (logarithmic or counted) and (is_signed or low < 0.0 < high)
     colours = _of_both_signs(low, high) if signed else colormaps["cividis"]
     for ax, panel in zip(axes, planes.panels, strict=False):
         plane = planes.of(values, panel)
@@ -762,6 +777,10 @@ def _paint_numbers(
         extend=EXTENDED[bool(((known > least) & (known < low)).any()), bool((known > high).any())],
         ticks=np.arange(low, high + 1.0) if counted else None,
     )  # fmt: skip
+    if signed and is_signed and (known == 0.0).any():
+        white = colours(norm(0.0))  # the bar has it at one place, or not at all
+        own = "difference" if difference else labels.quantity(planes.array, str(planes.array.name))
+        handles = [*handles, Patch(fc=white, ec=style.GREY, lw=RIM, label=f"{own} = 0")]
     if (known <= least).any():
         own = labels.quantity(planes.array, str(planes.array.name))
         sign = "=" if known.min() == 0.0 else r"$\leq$"

@@ -346,6 +346,8 @@ def evaluate(
         if _is_near(claim, part, variable, stored, trial):
             near = "two of which reach across what is expected: more starts tell"
             trial = replace(trial, found=f"{trial.found}, {near}")
+        if isinstance(claim.expect, Trend) and (small := _of_small_steps(claim, part, variable)):
+            trial = replace(trial, found=f"{trial.found}, {small}")
     compared = isinstance(claim.expect, Bounds) and bool(claim.expect.references)
     told = _why_empty(trial, part), _why_open(trial, part, compared and not claim.take)
     verdict = _judge(trial, claim.holds, ", ".join(filter(None, told)))
@@ -389,6 +391,18 @@ def _is_near(
     )
     trials = (_try(claim, one, variable, stored) for one in shifted)
     return any(bool((one.hit != found.hit).any()) for one in trials)
+
+
+def _of_small_steps(claim: ClaimSpec, part: xr.Dataset, variable: str) -> str:
+    """How many steps of a share that go the wrong way are none, or within two standard errors."""
+    dim = str(_one_axis(part).dims[0])
+    values, variance = part[variable], part[ERROR] ** 2
+    step = values.diff(dim) * (1.0 if claim.expect == Trend(rises=True) else -1.0)
+    error = np.sqrt(variance.isel({dim: slice(1, None)}).values + variance[{dim: slice(-1)}].values)
+    within = int(((step < 0.0) & (-step.values <= ACROSS * error)).sum())
+    none = int((step == 0.0).sum())
+    told = {f"{within} the other way by less than two of these": within, f"{none} of none": none}
+    return ", ".join(word for word, count in told.items() if count)
 
 
 def _beside(share: xr.DataArray, off: xr.DataArray) -> xr.DataArray:

@@ -26,7 +26,10 @@ BEYOND = (
 )
 
 WIDEN, PERHAPS = ": widen it", ", and perhaps beyond; what was found inside it stands"
-UNMET = ": what is asked for was not met inside it: widen it at either end"
+UNMET = (
+    ": what is asked for was not met inside it: a start in its basin (a `state`, say) meets it, or "
+    "a bracket that is wider at either end"
+)
 
 # Setting `follow` -> the classes along each way, which of them is the last, at which end.
 _ENDS = {
