@@ -195,7 +195,7 @@ def _check_levels(
         report.add(at, message, f"{MOST_LINES} levels, or a figure for each few")
     if figure.settings.get("overlay") and of:
         own, numbers = {*plain}, {name for name in of if not isinstance(of[name], str)}
-        message = f"overlay needs a level of {', '.join(own)}, which is mapped, and has no others"
+        message = f"overlay needs a level of {', '.join(own)}, and has levels of that alone"
         allowed = f'{", ".join(own)} = NUMBER, and what other cases found: "CASE:boundary" = "AXIS"'
         if numbers - own or not numbers:
             report.add((*at[:-1], "overlay"), message, allowed)
