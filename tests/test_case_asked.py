@@ -67,6 +67,18 @@ def plane(*lines: str) -> str:
     return figure('kind = "map"', *lines).replace("v = [0.5, 1.0]", "v = [0.5, 1.0]\nk = [1, 2]")
 
 
+def test_what_other_cases_found_is_overlaid_on_levels_of_what_is_mapped_alone() -> None:
+    """Of classes, too, which have no level, it said: attractor = NUMBER."""
+    for variable in ("L_s", "attractor"):
+        lines = plane(
+            'level = { "b:boundary" = "v" }', f'variable = "{variable}"', "overlay = true"
+        )
+        with pytest.raises(CaseError, match="alone, and has none") as refused:
+            make_plan(parse_case(lines, "a.toml"))
+        assert "variable = A NUMBER" in str(refused.value)
+        assert "attractor = NUMBER" not in str(refused.value)
+
+
 def test_a_motion_has_a_force_at_each_instant_though_an_equilibrium_has_but_one() -> None:
     shown = figure('kind = "history"', 'variable = "F_T"')
     make_plan(parse_case(shown + '[[analysis]]\nkind = "equilibrium"\n', "a.toml"))

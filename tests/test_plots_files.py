@@ -160,6 +160,18 @@ def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp
     told = [f"for the caption: N = 5 N{breaks}"]
     thinned = [THINNED] * (kind == "bifurcation")  # for want of room
     assert style.notes_on(draw(given, figure(kind), look=paper)) == [*thinned, *told]
+    of_drive = {"role": "frequency", "units": "rad s-1", "long_name": "frequency of the drive"}
+    driven = [
+        given.assign_coords(
+            A=((), force, {"units": "N", "long_name": "amplitude of the drive"}),
+            omega=((), 2.0, of_drive),
+        )
+        for force in (0.0, 0.1)
+    ]
+    with style.looks(look=paper):  # a drive that is off has no frequency to tell of
+        for some, told_too in (([0, 0], False), ([0, 1], True), ([1, 0], True)):
+            (words,) = caption(drawn, [driven[number] for number in some])
+            assert ("omega = 2 rad/s" in words) == told_too
     files = [("a", given), ("b", given.assign_coords(N=((), 6.0, {"units": "N"})))]
     assert not any("N = " in note for note in style.notes_on(draw(files, figure(kind), look=paper)))
     other = [("a", given), ("b", given.assign_attrs(case="", law="stribeck"))]  # its default

@@ -14,7 +14,7 @@ import xarray as xr
 from click.testing import CliRunner
 from matplotlib import colormaps
 from matplotlib.collections import QuadMesh
-from matplotlib.colors import BoundaryNorm, LogNorm, to_hex
+from matplotlib.colors import BoundaryNorm, LogNorm, Normalize, to_hex
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -32,7 +32,7 @@ from fiv_cli.plots.critical_lines import _is_inside
 from fiv_cli.plots.drawing import _meant
 from fiv_cli.plots.drawn import as_csv, in_one_line
 from fiv_cli.plots.levels import MOST_WRITTEN
-from fiv_cli.plots.map import _told_twice
+from fiv_cli.plots.map import _of_both_signs, _told_twice
 from fiv_cli.plots.style import BLACK, line_colours
 from fiv_cli.reading.datasets import is_class
 
@@ -980,6 +980,11 @@ def test_where_a_line_of_another_case_is_not_joined_or_straight_is_told(tmp_path
     of_both[1] = figure("map", x="Omega", y="N0", level=level, words={"few:critical_value": "mine"})
     mine = legend_texts(draw(*of_both))
     assert {"critical value of $N_{0}$, whole", "mine"} <= {*mine}
+    for name in ("one", "two"):  # levels of two cases: the word of the map's own variable stays
+        response.to_netcdf(f"runs/{name}.nc")
+    level = {"one:L_s": 1e-3, "two:L_s": 2e-3}
+    asked = figure("map", x="Omega", y="N0", variable="L_s", level=level, words={"L_s": "mine"})
+    assert draw(response, asked).axes[-1].get_ylabel().startswith("mine")
     (straight,), (apart,) = notes["few"], notes["leap"]
     assert f"straight between its {few.size} values of Omega" in straight
     ends = [words.number_text(one, many.tolist()) for one in many[8:10]]
@@ -1126,7 +1131,7 @@ def test_a_level_that_single_points_of_a_refined_map_pass_is_in_no_jump_to_rest(
     values[y, x] = 4.0
     dataset["L_s"] = dataset["L_s"].copy(data=values)
     notes = style.notes_on(draw(dataset, figure("map", variable="L_s", level=[0.5, 2.0])))
-    told = "along a jump to rest", "a piece too short for its number"  # around what is not known
+    told = "along a jump to rest", "too short a line for its number"  # around what is not known
     (note,) = [one for one in notes if not any(word in one for word in told)]
     assert note.startswith("no line $L_s$ = 2 rad$^{2}$: where it is passed no three neighbours")
 
@@ -1139,13 +1144,26 @@ def test_pieces_of_lines_that_have_no_room_for_their_number_are_told():
     kinds = dataset["attractor"].copy(data=np.full(moving.shape, 1))
     asked, told = (
         figure("map", variable="L_s", level=[0.3, 0.5]),
-        "a piece too short for its number",
+        "too short a line for its number",
     )
     for corner, beside, left in ((0.4, ["0.3"], 0), (0.6, ["0.3"], 1)):  # one has no room
         moving[:2, 0] = corner
         drawn = draw(dataset.assign(L_s=moving, attractor=kinds), asked)
         assert [one.get_text() for one in drawn.findobj(Annotation)] == beside
         assert len([one for one in style.notes_on(drawn) if told in one]) == left
+
+
+def test_many_pieces_without_a_number_are_told_in_one_note():
+    """Forty were as many notes."""
+    dataset = data.stability_map(initial=("reached",), nx=120, ny=120)
+    rising = np.linspace(0.0, 1.0, 120) * np.ones((120, 1))
+    moving = dataset["L_s"].copy(data=rising[:, :, None])
+    moving[5:115:10, 5:35:10] = 0.8
+    kinds = dataset["attractor"].copy(data=np.full(moving.shape, 1))
+    asked = figure("map", variable="L_s", level=[0.6, 0.7])
+    notes = style.notes_on(draw(dataset.assign(L_s=moving, attractor=kinds), asked))
+    told = [one for one in notes if "too short a line for its number at (" in one]
+    assert len(told) == 2 and all("29 more places" in one for one in told)
 
 
 def test_a_level_passed_in_one_row_alone_has_no_line_and_no_entry():
@@ -1401,13 +1419,23 @@ def test_numbers_of_both_signs_and_differences_have_shades_that_part_at_zero():
             np.testing.assert_allclose(mesh.to_rgba(value), colormaps["PRGn"](share), atol=0.02)
     plain = draw(data.stability_map(), figure("map", variable="L_s"))
     assert plain.findobj(QuadMesh)[0].get_cmap().name == "cividis"
-    several["L_s"] = several["L_s"].copy(deep=True)
-    several["L_s"][..., 1] = several["L_s"][..., 0] * (1.0 + 1e-15)  # but for rounding
-    several["L_s"][0, 0, 1] += 1.0
-    for log in (False, "z"):
-        drawn = draw(several, figure("map", variable="L_s", take=taken, log=log, zlim=[0.1, 2.0]))
+    for ends in ((-1.0, 1.0), (-1.0, 2.0), (-0.9, 1.0), (0.0, 1.0), (-1.0, 0.0)):
+        zero = _of_both_signs(*ends)(Normalize(*ends)(0.0))
+        assert to_hex(zero) == to_hex(colormaps["PRGn"](0.5)), ends
+    noise = np.random.default_rng(1).standard_normal(several["L_s"].shape[:2])
+    alike = several["L_s"].copy(deep=True)
+    alike[..., 1] = alike[..., 0] * (1.0 + 1e-15 * noise)
+    for log in (False, "z"):  # of one motion twice there is rounding alone
+        drawn = draw(several.assign(L_s=alike), figure("map", variable="L_s", take=taken, log=log))
         assert "difference = 0" in legend_texts(drawn)
-        assert drawn.findobj(QuadMesh, include_self=False)[0].colorbar.extend in ("neither", "min")
+        assert np.ptp(np.ma.compressed(drawn.findobj(QuadMesh)[0].get_array())) == 0.0
+    alike[0, 0, 1] += 1.0
+    for low, log, told in ((-2.0, False, True), (0.1, False, False), (0.1, "z", True)):
+        asked = figure("map", variable="L_s", take=taken, log=log, zlim=[low, 2.0])
+        drawn = draw(several.assign(L_s=alike), asked)
+        assert ("difference = 0" in legend_texts(drawn)) == told  # else the arrow of the bar tells
+        extend = drawn.findobj(QuadMesh, include_self=False)[0].colorbar.extend
+        assert extend == ("min" if low > 0.0 and not log else "neither")
     growing = with_growth()
     growing["eigenvalues"]["growth_rate"] = abs(growing["eigenvalues"]["growth_rate"])
     (mesh, *_) = draw(growing["eigenvalues"], figure("map", variable="growth_rate")).findobj(

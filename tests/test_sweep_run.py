@@ -16,13 +16,13 @@ import numpy as np
 import pytest
 import sweep_fakes
 
-from fiv_cli import files
+from fiv_cli import ending, files
 from fiv_cli.data.course import Course
 from fiv_cli.data.hdf5 import read_attributes
 from fiv_cli.data.log import runs_in
 from fiv_cli.data.netcdf import read_datasets
 from fiv_cli.errors import LockedError, StorageError, StoreMismatchError, UsageError
-from fiv_cli.sweep import journal
+from fiv_cli.sweep import journal, pool
 from fiv_cli.sweep import progress as progress_of
 from fiv_cli.sweep.lock import hold, holder
 from fiv_cli.sweep.plan import make_plan
@@ -31,6 +31,7 @@ from fiv_cli.sweep.progress import Lines, Silent
 from fiv_cli.sweep.queue import spread
 from fiv_cli.sweep.run import Summary, reproduction, run_case
 from fiv_cli.sweep.scheduler import LARGEST_CHUNK, Pace
+from fiv_cli.sweep.worker import Result, Task, run_task
 
 HERE = Policy(workers=1, executor="sweep_fakes:answer", preparer="sweep_fakes:prepare")
 
@@ -833,3 +834,46 @@ def test_the_command_for_a_point_alone_says_each_thing_once() -> None:
     ]
     (again,) = make_plan(sweep_fakes.case(sweep_fakes.BELT, *words[4::2])).analyses
     assert [axis.values for dim in again.layout.dims for axis in dim.axes] == [(3.0,), (2.0,)]
+
+
+class Coming:
+    """Workers that bring so many `answers` before the run is ended by a signal."""
+
+    size, answers = 2, 0
+
+    def __init__(self, *_: object) -> None:
+        self.tasks: list[Task] = []
+
+    def submit(self, task: Task) -> int:
+        """Take it."""
+        self.tasks.append(task)
+        return len(self.tasks)
+
+    def completed(self, seconds: float) -> list[tuple[int, Result]]:
+        """An answer, if one is left."""
+        if not self.answers:
+            raise ending.Ended("interrupted")
+        self.answers -= 1
+        return [(1, run_task(self.tasks[0]))]
+
+    def lost(self) -> list[Any]:
+        """None died."""
+        return []
+
+    def close(self) -> None:
+        """There is nothing to end."""
+
+
+@pytest.mark.parametrize("answers", [0, 1])
+def test_a_run_that_is_ended_before_its_workers_brought_a_point_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answers: int
+) -> None:
+    """Two points of 8001, after eleven seconds, looked as if the others had been thrown away."""
+    sweep(tmp_path / "a.nc", max_points=2)
+    monkeypatch.setattr(Coming, "answers", answers)
+    monkeypatch.setattr(pool, "WorkerPool", Coming)
+    waiting = "" if answers else "; its workers had brought no point yet"
+    told = f"a.nc holds what is done, and is marked partial{waiting}"
+    with pytest.raises(ending.Ended) as ended:
+        sweep(tmp_path / "a.nc", workers=2, in_process_below=0.0)
+    assert str(ended.value).endswith(told)

@@ -194,11 +194,13 @@ def _check_levels(
         message = f"{count} lines in one map cannot be told apart"
         report.add(at, message, f"{MOST_LINES} levels, or a figure for each few")
     if figure.settings.get("overlay") and of:
-        own, numbers = {*plain}, {name for name in of if not isinstance(of[name], str)}
-        message = f"overlay needs a level of {', '.join(own)}, and has levels of that alone"
-        allowed = f'{", ".join(own)} = NUMBER, and what other cases found: "CASE:boundary" = "AXIS"'
-        if numbers - own or not numbers:
-            report.add((*at[:-1], "overlay"), message, allowed)
+        place, numbers = (*at[:-1], "overlay"), {n for n in of if not isinstance(of[n], str)}
+        mapped_alone = "overlay shows levels of the variable that is mapped, alone"
+        exact = 'level = NUMBER, and of other cases "CASE:boundary" = "AXIS"; or leave overlay out'
+        if others := numbers - {*plain}:
+            report.add(place, f"{mapped_alone}, and none of {min(others)}", exact)
+        elif not numbers:
+            report.add(place, f"{mapped_alone}, and has none", f"variable = A NUMBER, {exact}")
     known = _known(case, held, None, with_motions=False)
     taken = figure.settings.get("take", {}).get("what")
     axes = {"crossing"} if any(isinstance(own, str) for own in of.values()) else set()

@@ -22,7 +22,7 @@ from fiv_cli.flags import NOT_COMPUTED
 from fiv_cli.notation.amounts import with_error
 from fiv_cli.plots import drawn, labels, legends, motion, phase, points, style
 from fiv_cli.plots import map as map_
-from fiv_cli.plots.same_parameters import choices, differing, of_the_same
+from fiv_cli.plots.same_parameters import differing, held_words, of_the_same
 from fiv_cli.reading import shares
 from fiv_cli.reading.cycles import number_of_each, size_of_cycles, tolerance
 from fiv_cli.reading.datasets import class_names, flag_names, is_class
@@ -275,13 +275,7 @@ def _lay_over(
 def _of_other_parameters(one: motion.Motion, parts: Sequence[xr.Dataset]) -> str:
     """What a motion over basins of a single panel has that these have not."""
     names = differing(one.data, parts[0]) if len(parts) == 1 else []
-    held = choices(one.data)
-    words = [
-        f"{name}: {held[name]}"
-        if name in held
-        else labels.value_label(one.data[name], one.data[name].item())
-        for name in names
-    ]
+    words = [*chain(*(held_words(one.data, name) for name in names))]
     return f"of other parameters: {', '.join(words)}" if words else ""
 
 

@@ -7,12 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from fiv_cli.plots import branch, points, style
 from fiv_cli.plots.drawn import in_one_line
-from fiv_cli.plots.labels import title_of, unit_text, value_label
-from fiv_cli.plots.same_parameters import choices
+from fiv_cli.plots.labels import title_of, unit_text
+from fiv_cli.plots.same_parameters import held_words
 from fiv_cli.reading import shares
 from fiv_cli.reading.causes import case_of
 
@@ -40,7 +38,7 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     names = [name for name in names if name not in led]
     swept = [one for one in datasets if "crossing" not in one.dims]  # others mark places alone
     every = [
-        _of_all([_held(one, name) for one in datasets], [_held(one, name) for one in swept])
+        _of_all(*([held_words(one, name) for one in some] for some in (datasets, swept)))
         for name in names
     ]
     given = [word for word in every if word not in said | {""}]
@@ -60,7 +58,7 @@ def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
     off = _still(datasets)
     told = (axis for axis in fixed if axis.attrs.get("long_name") not in off)
     names = [str(axis.name) for axis in told if axis.dtype.kind == "f"]
-    held = [[_held(one, name) for one in datasets] for name in names if name not in given]
+    held = [[held_words(one, name) for one in datasets] for name in names if name not in given]
     alike = [one[0][0] for one in held if one[0] and all(own == one[0] for own in one)]
     words = [word for word in alike if word.rpartition(" = ")[2].split()[0] != "0"]
     if len(words) > MOST_DEFAULTS:
@@ -70,10 +68,11 @@ def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
 
 
 def _still(datasets: Sequence[xr.Dataset]) -> set[str]:
-    """What the frequencies of excitations mean whose amplitudes are 0."""
+    """What the frequencies of excitations mean whose amplitudes are 0 in all datasets."""
     axes = [axis for one in datasets for axis in one.coords.values() if axis.dtype.kind == "f"]
-    moved = {axis.attrs.get("long_name"): bool((axis != 0.0).any()) for axis in axes}
-    parts = [str(word).partition("amplitude of ") for word, moves in moved.items() if not moves]
+    named = [(str(axis.attrs.get("long_name")), bool((axis != 0.0).any())) for axis in axes]
+    still = {name for name, _ in named} - {name for name, moves in named if moves}
+    parts = (name.partition("amplitude of ") for name in still)
     return {f"frequency of {what}" for _, of, what in parts if of}
 
 
@@ -88,17 +87,6 @@ def _given(dataset: xr.Dataset) -> Iterator[str]:
     yield from _table(_table(case, "model"), "options")
     if "separation_fraction" in dataset and bool((dataset["separation_fraction"] > 0.0).any()):
         yield "impact"  # which decides how large motions are
-
-
-def _held(dataset: xr.Dataset, name: str) -> list[str]:
-    """The numbers that a dataset has of a parameter, or its law, or an option of its model."""
-    chosen = choices(dataset).get("friction" if name == "law" else name)
-    if chosen is not None and name not in dataset.coords:
-        return [f"{name}: {chosen}"]
-    held = dataset.coords.get(name)
-    if held is None or held.ndim > 1 or held.dtype.kind not in "fi":
-        return []
-    return [value_label(held, value) for value in np.ravel(held.values)]
 
 
 def _of_all(held: Sequence[Sequence[str]], swept: Sequence[Sequence[str]]) -> str:

@@ -355,7 +355,7 @@ def _words(layers: Sequence[Layer], settings: Settings) -> dict[str, str]:
 
 def _called(words: Collection[str], layers: Sequence[points.Layer]) -> dict[str, tuple[str, ...]]:
     """What a figure calls those of some words that are names of variables: at axes, and levels; not
-    what it calls several of these, each of which stands for itself."""
+    where other cases have several that are called alike, each of which stands for itself."""
     every = [dataset for one in layers for dataset in (one.dataset, *one.beside)]
     known = {str(name): one[name] for one in every for name in one.data_vars}
     meant = {word: _meant(word, known) for word in words}
@@ -363,7 +363,7 @@ def _called(words: Collection[str], layers: Sequence[points.Layer]) -> dict[str,
     return {
         word: (name_of(known[name]), *_in_words(known[name], name.rpartition(":")[2]))
         for word, name in meant.items()
-        if name in known and of_cases[name_of(known[name])] < 2
+        if name in known and (":" not in name or of_cases[name_of(known[name])] < 2)
     }
 
 

@@ -26,6 +26,7 @@ from scipy import ndimage
 
 from fiv_cli.case.structure import MOST_LINES
 from fiv_cli.errors import UsageError
+from fiv_cli.notation.names import listed
 from fiv_cli.plots import labels, legends, level_notes, points, style
 from fiv_cli.plots.drawn import keep_whole
 from fiv_cli.plots.level_notes import Panel
@@ -290,18 +291,20 @@ def _name_crumbs(
     whole: Sequence[Sequence[np.ndarray]],
     levels: Sequence[float],
 ) -> Iterator[str]:
-    """Write each level beside the few pieces of its lines, `whole`, that are shorter than it; say
-    where there is no room."""
+    """Write each level beside the pieces of its lines, `whole`, that are shorter than it, where
+    these are few and have the room; say where the others are."""
     marks, panel = [*_drawn_marks(ax)], f" in panel {ax.get_title()}" * bool(ax.get_title())
     for (lines, level), pieces in zip(drawn, whole, strict=True):
         text, colour = labels.number_text(level, levels), _colour_of(lines)
-        crumbs = _crumbs(ax, pieces, 2.0 * _half_of(ax, text)[0])
+        crumbs, left = _crumbs(ax, pieces, 2.0 * _half_of(ax, text)[0]), list[str]()
         for crumb in crumbs:
             others = [one for one in chain(*whole) if one is not crumb]
             beside = [crumb], colour, text, others, marks
             if len(crumbs) > MOST_CRUMBS or not _write_beside(ax, *beside):
-                at = ", ".join(f"{one:.3g}" for one in crumb[len(crumb) // 2])
-                yield f"{text}: a piece too short for its number at ({at}){panel}"
+                left.append(", ".join(f"{one:.3g}" for one in crumb[len(crumb) // 2]))
+        more = [f"{len(left) - MOST_WRITTEN} more places"] * (len(left) > MOST_WRITTEN)
+        if places := [*(f"({at})" for at in left[:MOST_WRITTEN]), *more]:
+            yield f"{text}: too short a line for its number at {listed(places)}{panel}"
 
 
 def _crumbs(ax: Axes, pieces: Sequence[np.ndarray], length: float) -> list[np.ndarray]:

@@ -29,7 +29,7 @@ from fiv_cli.reading.datasets import (
     is_count,
     numbers,
 )
-from fiv_cli.reading.take import MOVING
+from fiv_cli.reading.take import MOVING, SIZE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -749,7 +749,7 @@ def _paint_numbers(
     if is_count(str(planes.array.name)):  # between one and two there is no number
         values = values.where(~unsure)
     if difference:  # of one motion twice there is rounding alone
-        rounding = style.ROUNDING * float(np.abs(values).max())
+        rounding = style.ROUNDING * planes.array.attrs[SIZE]
         values = values.where(~(np.abs(values) <= rounding), 0.0)
     low, high = shades or _shades(planes, values, logarithmic)
     if logarithmic and not shades:  # below the shades there is that of zero alone
@@ -777,8 +777,8 @@ def _paint_numbers(
         extend=EXTENDED[bool(((known > least) & (known < low)).any()), bool((known > high).any())],
         ticks=np.arange(low, high + 1.0) if counted else None,
     )  # fmt: skip
-    if signed and is_signed and (known == 0.0).any():
-        white = colours(norm(0.0))  # the bar has it at one place, or not at all
+    if is_signed and not counted and low <= 0.0 <= high and (known == 0.0).any():
+        white = colours(norm(0.0))  # which the bar has at one place alone
         own = "difference" if difference else labels.quantity(planes.array, str(planes.array.name))
         handles = [*handles, Patch(fc=white, ec=style.GREY, lw=RIM, label=f"{own} = 0")]
     if (known <= least).any():
@@ -816,11 +816,12 @@ def _with_rests(planes: _Planes, values: xr.DataArray) -> xr.DataArray:
 
 
 def _of_both_signs(low: float, high: float) -> Colormap:
-    """Colours from one number to another that part at zero, which is white, to both sides alike;
-    the least beside it is told from that."""
+    """Colours from one number to another that part at zero, whose shade is white, to both sides
+    alike; the least beside it is told from that."""
     shares = np.linspace(low, high, SHADES) / (max(abs(low), abs(high)) or 1.0)
     seen = np.sign(shares) * (FAINTEST + (1.0 - FAINTEST) * np.abs(shares))
-    seen[np.abs(shares) < 0.5 * np.ptp(shares) / SHADES] = 0.0
+    if low <= 0.0 <= high:
+        seen[min(int(Normalize(low, high)(0.0) * SHADES), SHADES - 1)] = 0.0
     return ListedColormap(colormaps["PRGn"](0.5 + 0.5 * seen))
 
 

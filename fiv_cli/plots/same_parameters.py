@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fiv_cli.plots.labels import value_label
 from fiv_cli.reading import select
 
 if TYPE_CHECKING:
@@ -66,6 +67,17 @@ def choices(dataset: xr.Dataset) -> dict[str, Any]:
         for name, value in told.items()
         if name not in axes or axes[name].size == 1
     }
+
+
+def held_words(dataset: xr.Dataset, name: str) -> list[str]:
+    """The numbers that a dataset has of a parameter, or its law, or an option of its model."""
+    chosen = choices(dataset).get("friction" if name == "law" else name)
+    if chosen is not None and name not in dataset.coords:
+        return [f"{name}: {chosen}"]
+    held = dataset.coords.get(name)
+    if held is None or held.ndim > 1 or held.dtype.kind not in "fi":
+        return []
+    return [value_label(held, value) for value in np.ravel(held.values)]
 
 
 def _agree(one: Any, other: Any) -> bool:

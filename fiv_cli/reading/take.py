@@ -36,6 +36,8 @@ from fiv_cli.reading.datasets import (
 )
 
 MOVING = "moving"
+SIZE = "of_size"
+"""Attribute of a difference: the greatest of what differs, by its size, in the same unit."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,8 @@ def taken(
     Returns
     -------
     xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``,
-        ``WHAT_error`` of what may be off, and ``status``. Where nothing is known they are NaN, and
+        ``WHAT_error`` of what may be off, and ``status``; a difference has the `SIZE` of what
+        differs. Where nothing is known they are NaN, and
         the status is that of some point there. Of a spread and a difference `MOVING` says which of
         what is compared vibrate
 
@@ -117,7 +120,10 @@ def taken(
         interval[f"{what}_error"] = _moved(what, numbers(array), off, _dims(axes))
     if what in ("difference", "spread") and "attractor" in dataset:
         interval[MOVING] = _moving(dataset["attractor"], axes, what)
-    named = {"units": _unit(array, what, axes[0]), "long_name": _words(array, take, axes[0])}
+    named: dict[str, Any] = {"units": _unit(array, what, axes[0])}
+    named |= {"long_name": _words(array, take, axes[0])}
+    if what == "difference":
+        named[SIZE] = float(np.abs(numbers(array)).max())
     return _with_middle(interval, what, named).assign_attrs(dataset.attrs)
 
 

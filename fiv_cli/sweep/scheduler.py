@@ -222,7 +222,7 @@ class Scheduler:
         while (queue.left and not self._full()) or self._flights or self._holding():
             ending.heed()
             if self._workers is None and self._wants_workers(pace, queue):
-                self._workers, self.awaits = self._started_workers(), True
+                self._workers = self._started_workers()
             if self._workers is None:
                 self._run_here(index, queue, pace)
             else:
@@ -249,6 +249,7 @@ class Scheduler:
 
     def _started_workers(self) -> Workers:
         """Those of a cluster or of this machine; what runs them is imported only then."""
+        self.awaits = True
         if self.policy.cluster:
             from fiv_cli.sweep.cluster import Cluster
 
