@@ -145,10 +145,13 @@ def test_what_was_followed_to_the_end_of_a_bracket_is_told(
         lines = [line.strip() for line in told.splitlines() if "    still " in line]
         assert len(lines) == len(said) and all(map(str.startswith, lines, said))
         endings = (": widen it", ", and perhaps beyond; what was found inside it stands")
-        unmet = ": what is asked for was not met inside it: a start in its basin"
+        unmet = (
+            ": what is asked for was not met inside it: a start in its basin (a `state`, say) "
+            "meets it, or a bracket that is wider at either end"
+        )
         for line in lines:
             met = line.startswith(f"still {of['expect']} ")
-            assert line.endswith(endings) if met else unmet in line
+            assert line.endswith(endings if met else unmet)
 
 
 FRICTIONLESS_TO_DAMPED = {

@@ -91,10 +91,9 @@ def taken(
     Returns
     -------
     xr.Dataset : the variable called as ``what`` is, its ends ``WHAT_low`` and ``WHAT_high``,
-        ``WHAT_error`` of what may be off, and ``status``; a difference has the `SIZE` of what
-        differs. Where nothing is known they are NaN, and
+        ``WHAT_error`` of what may be off, and ``status``. Where nothing is known they are NaN, and
         the status is that of some point there. Of a spread and a difference `MOVING` says which of
-        what is compared vibrate
+        what is compared vibrate; a difference has the `SIZE` of what differs
 
     Raises
     ------
@@ -343,11 +342,9 @@ def _words(array: xr.DataArray, take: Mapping[str, Any], axis: xr.DataArray) -> 
         words = f"{axis.attrs.get('long_name', axis.name)} {words}"
     over = "over that of the reference" if take.get("relative_to") else ""
     is_plain = take["what"] == "classes" and name == "attractor"
-    of_what = f"{'of ' * (take['what'] in ('spread', 'difference', 'classes'))}{words}" * (
-        not is_plain
-    )
+    of_what = f"{'of ' * (take['what'] in ('spread', 'difference', 'classes'))}{words}"
     what = "number of classes" if take["what"] == "classes" else take["what"]
-    named = " ".join(filter(None, (what, of_what, over)))
+    named = " ".join(filter(None, (what, "" if is_plain else of_what, over)))
     if take["what"] != "difference":
         return named
     first, last = (f"{end:.6g}" if select.is_numeric(axis) else end for end in axis.values[[0, -1]])
