@@ -79,9 +79,8 @@ REASONS: tuple[Reason, ...] = (
     ),
     Reason(
         "mu_k_above_mu_s",
-        "kinetic friction above static friction: raise mu_s or shorten the axis of mu_k; to let "
-        'mu_s follow, an axis of the same values and [sweep] zip = [["mu_k", "mu_s"]], or in a '
-        'model of your own law_defaults = {"mu_s": "mu_k"}',
+        "kinetic friction above static friction: raise mu_s or shorten the axis of mu_k; or let "
+        'mu_s follow: mu_s = "mu_k" under [friction]',
     ),
     Reason("too_many_events", "raise solver.max_events, or lower t_max if the motion chatters"),
     Reason("too_many_steps", "raise solver.max_steps, or loosen solver.rtol (of rk4: solver.step)"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,9 @@ from fiv_cli.case.identity import fingerprint
 from fiv_cli.case.load import load_case, parse_case
 from fiv_cli.case.starts import AT_REST
 from fiv_cli.errors import CaseError, Problem, UsageError
+from fiv_cli.friction import get_law
+from fiv_cli.models import get_model
+from fiv_cli.models.origin import Origin
 
 PIN = """\
 schema = 1
@@ -908,6 +912,26 @@ def test_a_parameter_with_the_name_of_another_has_its_value():
     own = {**COUPLED, "c1": at, "c2": at, "mu_k": 0.6}
     growth = api.analyse("flutter-2dof", "coulomb", "eigenvalues", **own).values["growth_rate"]
     assert growth == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_parameter_of_a_law_may_follow_another_too():
+    """It stood in no case that varies the other one itself: the advice was two axes."""
+    text = "schema = 1\n[model]\nname = 'belt-2mass'\n[friction]\nlaw = 'coulomb'\n{}"
+    swept = "[grid]\nmu_k = [0.1, 0.5]\n{}[[analysis]]\nkind = 'eigenvalues'\n"
+    both = "mu_s = [0.1, 0.5]\n[sweep]\nzip = [['mu_k', 'mu_s']]\n"
+    follows, written = (
+        api.run(parse_case(text.format(one), "x.toml"), workers=1)
+        for one in ("mu_s = 'mu_k'\n" + swept.format(""), swept.format(both))
+    )
+    assert follows.attrs["model"] == "belt-2mass + mu_s = mu_k"
+    np.testing.assert_array_equal(follows["growth_rate"], written["growth_rate"])
+    own = replace(get_law("stribeck"), name="own", origin=Origin("own.py", ""))
+    followed = get_model("belt-2mass + mu_s = mu_k").defaults_of(own)
+    assert followed == {"mu_s": "mu_k"}  # of its file's defaults on a model of others the rest
+    for law, told in (("mu_k = 'mu_s'\nmu_s = 'mu_k'", "takes the value of another itself"),
+                      ("mu_s = 'N'", "'N' is a parameter, not a value")):  # fmt: skip
+        with pytest.raises(CaseError, match=told):
+            parse_case(text.format(f"{law}\n{swept.format('')}"), "x.toml")
 
 
 @pytest.mark.parametrize(

@@ -361,6 +361,9 @@ def test_what_was_computed_with_other_values_says_so() -> None:
     ]
     starts = [{"case": f'[[initial]]\nlabel = "far"\nstate = {{ x = {x} }}'} for x in (1.0, 2.0)]
     assert causes(*starts) == ["start far state.x: 1 against 2"]
+    chains = ('label = "up"\nkind = "continue"\n' + more for more in ("", 'steps = "grid"\n'))
+    cases = [{"case": f"[[initial]]\n{one}"} for one in chains]
+    assert causes(*cases) == ["start up steps: shorter against grid"]  # which it is unsaid
     said = [starts[0], starts[0] | {"overrides": "initial.0.state={x=3}\nsolver.rtol=1e-8"}]
     assert causes(*said) == ["--set initial.0.state: none against {x=3}"]
     fewer = left | {"parameters_json": '{"m": 1.0}'}

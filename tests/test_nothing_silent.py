@@ -64,6 +64,23 @@ def test_what_rests_is_told_under_each_option_of_a_grid() -> None:
         )
 
 
+def test_what_is_assumed_of_impacts_is_told_where_motions_separate(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It decides how large they are; of motions in contact it says nothing."""
+    case = (
+        'schema = 1\n[model]\nname = "flutter-2dof"\n[model.options]\nstates = "all"\n'
+        "[model.parameters]\nc1 = 0.1\nc2 = 0.1\nv = 3.0\n"
+        '[grid]\nmu_k = [{}]\n[[initial]]\nkind = "equilibrium"\noffset = {{ x = 1e-3 }}\n'
+        '[[analysis]]\nkind = "response"\n'
+    )
+    for mu_k, told in ((0.1, False), (10.0, True)):
+        (tmp_path / "a.toml").write_text(case.format(mu_k))
+        output = str(tmp_path / f"{mu_k}.nc")
+        assert fiv(["run", str(tmp_path / "a.toml"), "-o", output]) == 0
+        assert ("--set model.options.impact=none" in capsys.readouterr().err) == told
+
+
 # --- branches from elsewhere ----------------------------------------------------------------------
 @pytest.mark.parametrize(("kind", "told"), [("cycle", True), ("boundary", False)])
 def test_a_branch_begins_at_the_cases_own_value(kind: str, told: bool) -> None:

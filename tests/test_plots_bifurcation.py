@@ -1593,6 +1593,23 @@ def test_each_diagram_has_the_branches_of_its_own_parameters():
     assert {*whose} == {f"_{name}" for name in names}
 
 
+def test_that_two_runs_agree_or_a_branch_holds_fixed_what_points_vary_is_told():
+    """Marks of the former lay beneath those of the latter, all of them, without a word."""
+    runs = [(name, data.bifurcation()) for name in ("coarse", "fine")]
+    told = style.notes_on(draw(runs, figure("bifurcation")))
+    assert any("coarse, near" in note and "lie beneath those of fine" in note for note in told)
+    runs[1] = "fine", runs[1][1].assign(section_value=runs[1][1]["section_value"] + 1.0)
+    told = style.notes_on(draw(runs, figure("bifurcation")))
+    assert not any("lie beneath" in note for note in told)
+    held = branch_along_the_speed().isel(N0=0).assign_coords(mu_s=((), 1.6, {"units": "1"}))
+    points = data.bifurcation()
+    points = points.assign_coords(mu_s=("Omega", points["Omega"].values))
+    names = words.told_apart([("sweep", points), ("branch", held)])
+    told = style.notes_on(draw([(names[0], points), (names[1], held)], figure("bifurcation")))
+    said = [note for note in told if note.startswith("branches are those at")]
+    assert said == ["branches are those at $\\mu_{s}$ = 1.6, which the points vary with Omega"]
+
+
 def test_marks_that_would_hide_a_line_are_left_out_but_where_no_line_leads():
     values = np.linspace(1.0, 2.0, 400)
     values[[200, 202]] = np.nan

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from matplotlib.text import Text
 from plotted import branch_along_the_speed, crossing_lines, figure, legend_texts, marks, run
 
 from fiv_cli.case.case import FigureSpec
-from fiv_cli.cli.plot import Millimetres, _showing
+from fiv_cli.cli.plot import Millimetres, _plain, _showing
 from fiv_cli.cli.plot import command as plot_command
 from fiv_cli.cli.show import command as show_command
 from fiv_cli.errors import CaseError, InputError, UsageError
@@ -670,6 +671,13 @@ def test_what_a_figure_shows_can_be_named_on_the_command_line(tmp_path):
     taken = figure("curve", variable="L_s", take={"what": "spread", "over": ["initial"]})
     with pytest.raises(UsageError, match="takes spread of its own"):
         _showing(taken, ["period"])
+    levels = figure("map", variable="L_s", level={"b:boundary": "c"}, zlim=[0.0, 1.0])
+    assert set(_showing(levels, ["period"]).settings) == {"variable", "level"}  # of what they are
+    named = [(tmp_path, [], replace(one, name=name)) for name, one in (("a", taken), ("b", own))]
+    assert _plain(named, "a") == named  # which is refused: it is asked for by its name
+    assert _plain(named, "curve") == named[1:]
+    ((*_, without),) = _plain(named[:1], "curve")  # its own advice led nowhere
+    assert "take" not in without.settings
 
 
 def test_an_end_that_is_an_edge_of_the_bracket_has_no_error_and_is_told():

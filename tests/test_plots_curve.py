@@ -30,6 +30,7 @@ from fiv_cli.errors import UsageError
 from fiv_cli.plots import draw, leaps, legends, look_of, points, save, style
 from fiv_cli.plots.curve_lines import Curve
 from fiv_cli.plots.curve_panel import _hidden, _plot
+from fiv_cli.plots.diagram_lines import mark_critical
 from fiv_cli.plots.drawn import as_csv, in_one_line
 from fiv_cli.plots.style import BLACK
 from fiv_cli.reading.datasets import flag_names
@@ -326,6 +327,11 @@ def test_critical_values_lie_where_amplitudes_begin():
     told = [text for text in legend_texts(ax) if "critical value" in text]
     fills = {str(one.get_mfc()) for one in ax.lines if "critical value" in str(one.get_label())}
     assert len(told) == len(fills) == 3 and all("$N_{0}$ = " in text for text in told)
+    many = [1.0, 2.0, 3.0, 4.0]  # more than there are fills: black, and all alike
+    of_all, other = found.expand_dims(N0=many), critical.expand_dims(N0=many)
+    ax = Figure().add_subplot()
+    mark_critical(ax, points.Layer("b", other), [of_all], found["Omega"], colours_tell=False)
+    assert any("one mark for those of" in note for note in style.notes_on(ax.figure))
     wanted = figure("curve", variable="phi_amplitude")
     critical["critical_value"].attrs["long_name"] = "critical value of N0"
     with pytest.raises(UsageError, match="no phi_amplitude"):

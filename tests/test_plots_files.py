@@ -56,6 +56,15 @@ def test_a_caption_has_the_law_and_the_few_starts_of_a_table_and_all_that_advanc
         found["separation_fraction"] = found["L_s"] * 0.0 + share
         (note,) = style.notes_on(draw(found, figure("curve"), look=look_of("paper")))
         assert words in note and "states" not in note  # which says nothing of what is drawn
+    by_hand = found.assign_attrs(overrides='model.options.states="slip"')
+    by_hand.attrs["options_json"] = json.dumps(chosen | {"states": "slip"})
+    by_hand = by_hand.assign_coords(
+        c1=((), 2.0, {"units": "N", "symbol": "c_1 = c_2"}),
+        c2=((), 2.0, {"units": "N", "symbol": "c_2"}),
+    )
+    by_hand.attrs["case"] += '[model.parameters]\nc1 = 2.0\nc2 = "c1"\n'
+    (note,) = style.notes_on(draw(by_hand, figure("curve"), look=look_of("paper")))
+    assert "states: slip" in note and note.count("c_2 = 2 N") == 1
     fixed = {"F": ((), 1000.0, {"units": "N"}), "u0": ((), 0.0, {"units": "m"})}
     left = found.assign_coords(fixed)
     left = left.assign_attrs(case="[model]\nparameters = { k = 2.0 }\n")

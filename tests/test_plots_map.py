@@ -1417,6 +1417,13 @@ def test_numbers_of_both_signs_and_differences_have_shades_that_part_at_zero():
             off = value / np.abs(ends).max()  # the least beside zero is told from it
             share = 0.5 + 0.5 * np.sign(off) * (0.25 + 0.75 * abs(off))
             np.testing.assert_allclose(mesh.to_rgba(value), colormaps["PRGn"](share), atol=0.02)
+    near = dataset.assign(L_s=dataset["L_s"].copy(deep=True))
+    near["L_s"][0, 0] = np.abs(near["L_s"]).max() * 1e-5  # no zero, whose shade it had
+    drawn = draw(near, figure("map", variable="L_s"))
+    shade = drawn.findobj(QuadMesh)[0]
+    shown = {to_hex(one) for one in shade.to_rgba(shade.get_array()).reshape(-1, 4)}
+    assert to_hex(colormaps["PRGn"](0.5)) not in shown
+    assert not [text for text in legend_texts(drawn) if text.endswith("= 0")]
     plain = draw(data.stability_map(), figure("map", variable="L_s"))
     assert plain.findobj(QuadMesh)[0].get_cmap().name == "cividis"
     for ends in ((-1.0, 1.0), (-1.0, 2.0), (-0.9, 1.0), (0.0, 1.0), (-1.0, 0.0)):

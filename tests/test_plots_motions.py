@@ -189,6 +189,7 @@ def test_sticks_of_other_contacts_are_marked_where_no_panel_is_about_one(kind):
             shown = draw([(f"{n}", part) for n, part in enumerate(files)], figure(kind))
             words_ = [text.get_text() for text in shown.legends[0].get_texts()]
             assert "contact 2 sticks" in words_
+            assert any("stick on several contacts" in note for note in style.notes_on(shown))
             assert ("contact 3 sticks" in words_) == any(one is three for one in files)
     (ax,) = draw(dataset, figure(kind, variable="phi")).axes
     bars = [patch.get_extents().height / ax.bbox.height for patch in ax.patches]

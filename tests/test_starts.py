@@ -249,7 +249,7 @@ def test_a_table_of_starts_is_a_start_for_each_row(tmp_path: Path) -> None:
     found = api.run(filed, workers=1)
     begun = found["initial_state"].transpose("initial", "state").values.tolist()
     assert begun == [[1.0, 0.5], [0.025, -0.2], [1.0, 0.0], [1.0, 0.5]]
-    other = table(tmp_path, "# x_dot [cm/s]; x [mm]\r\n50;1000\r\n-20;25\r\n0;1000\r\n50;1e3\r\n")
+    other = table(tmp_path, "# x_dot [cm/s]; x [mm]\r\n50;1 m\r\n-20;25\r\n0;1000\r\n50;1e3\r\n")
     assert fingerprint(other) == fingerprint(filed)
     assert found["initial"].values.tolist() == [f"basin-{i:03d}" for i in range(4)]
     assert (found["status"] == 0).all() and fingerprint(filed) == fingerprint(inline)
@@ -291,6 +291,7 @@ def test_thousands_of_starts_are_no_burden(tmp_path: Path) -> None:
         ("x, x_dot\n1, 2\n3, fast\n", '"row 3".x_dot', "'fast' is not a number"),
         ("x [mm]\n1\n2 s\n", '"row 3".x', "does not fit"),
         ("x, speed\n1, 2\n", "file.speed", "there is no state 'speed'"),
+        ("x [mm], label\n1 cm, a\n", "file.label", "there is no state 'label'"),
         ("x, x\n1, 2\n", "file", "the column x stands in it twice"),
         ("x, x_dot\n1, 2\n3\n", "file", "row 3 has 1 cells, and the header 2"),
         ("x\n\n", "file", "holds no starts"),

@@ -264,9 +264,9 @@ law, an option of the model, the law itself (`fiv kinds friction`), or a state o
     mu_k = [0.2, 0.23]
     "initial.phi_dot" = { start = 0.0, stop = 9.0, step = 0.5 }  # of starts; off a rest, from it
 
-Axes that advance together, as one: [sweep] zip = [["Omega", "N0"]]; a parameter of the model that
-always has the value of another, for `critical` and `boundary` too: c2 = "c1" under
-[model.parameters]. Points along the borders of classes only: `fiv kinds refine`.
+Axes that advance together, as one: [sweep] zip = [["Omega", "N0"]]; a parameter that always has
+the value of another, for `critical` and `boundary` too: c2 = "c1" under [model.parameters],
+mu_s = "mu_k" under [friction]. Points along the borders of classes only: `fiv kinds refine`.
 """
 
 FRICTION = """\

@@ -103,6 +103,7 @@ def _names_in(laws: Iterable[Law]) -> set[str]:
     return {name for law in laws for name in (law.name, *(p.name for p in law.parameters))}
 
 
+MODEL_TABLE = ("model", "parameters")
 AMBIGUOUS = "{!r} means different things to the laws in use"
 
 
@@ -131,8 +132,10 @@ def read_physics(form: Form, report: Report) -> Physics:
     options = {**model.default_options(), **reader.options(model, form.model)}
     options |= _options_of_axes(model, options, axes)
     laws, known = reader.laws(model, form.friction, axes.get("friction"))
-    model = reader.following(model, form.model)
-    fixed = reader.of_model(model, laws, form.model) | reader.of_laws(model, laws, form.friction)
+    of_laws = _leaders_of_laws(laws, form.friction)
+    model = reader.following(model, form.model, laws, of_laws)
+    fixed = reader.of_model(model, laws, form.model)
+    fixed |= reader.of_laws(model, laws, form.friction, of_laws)
     return Physics(model, options, laws, fixed, frozenset(reader.unread), known)
 
 
@@ -159,7 +162,9 @@ def note_nothing_to_vary(name: str, place: Path, physics: Physics, report: Repor
     message = f"there is nothing called {name!r} to vary"
     hint = SEVERAL_LAWS if name in ("law", "laws") else counterpart(name, physics.table())
     hint = hint or _excitation_of(name, physics)
-    report.unknown(place, message, name, physics.what_varies(), hint)
+    known = physics.what_varies()
+    hint = hint or " ".join(filter(None, (suggest(name, known), _others_with(name))))
+    report.unknown(place, message, name, known, hint)
 
 
 def _excitation_of(name: str, physics: Physics) -> str:
@@ -201,9 +206,9 @@ def counterpart(name: str, known: Mapping[str, Parameter]) -> str:
     return f"here it is {said}" if here else ""
 
 
-def note_no_state(name: str, place: Path, physics: Physics, report: Report) -> None:
+def note_no_state(name: str, place: Path, physics: Physics, report: Report, hint: str = "") -> None:
     """Note that the model has no state `name`."""
-    report.unknown(place, f"there is no state {name!r}", name, physics.units_of_states())
+    report.unknown(place, f"there is no state {name!r}", name, physics.units_of_states(), hint)
 
 
 def law_names(model: Model) -> list[str]:
@@ -280,6 +285,14 @@ def _leaders(model: Model, table: ModelTable) -> dict[str, str]:
     return {k: leader for k, leader in named.items() if {ascii_name(k), leader} <= known}
 
 
+def _leaders_of_laws(laws: Sequence[Law], table: FrictionTable) -> dict[str, str]:
+    """The same of parameters that all laws have."""
+    shared = set.intersection(*({p.name for p in law.parameters} for law in laws))
+    extra = {k: v for k, v in (table.model_extra or {}).items() if isinstance(v, str)}
+    named = {k: ascii_name(v) for k, v in extra.items()}
+    return {k: leader for k, leader in named.items() if {ascii_name(k), leader} <= shared}
+
+
 class _Reader:
     """Reads what a case gives for options, laws and parameters; keeps what is not sound."""
 
@@ -341,32 +354,45 @@ class _Reader:
         hint = "" if law else own_file(name, self.report)
         return unfit or f"{name!r} is no friction law {whose}", hint
 
-    def following(self, model: Model, table: ModelTable) -> Model:
-        """The model with its parameters that are given the name of another following that."""
-        known, sound = {p.name: p for p in model.parameters}, {}
-        leaders = _leaders(model, table)
+    def following(
+        self, model: Model, table: ModelTable, laws: Sequence[Law], of_laws: Mapping[str, str]
+    ) -> Model:
+        """The model with the parameters, of it and its laws, that are given the name of another
+        following that."""
+        of_model, adopted = _leaders(model, table), [p for law in laws for p in model.adopted(law)]
+        sound = self.leaders(of_model, {p.name: p for p in model.parameters}, MODEL_TABLE)
+        known = {p.name: p for p in adopted}
+        return following(model, sound | self.leaders(of_laws, known, ("friction",)))
+
+    def leaders(
+        self, leaders: Mapping[str, str], known: Mapping[str, Parameter], table: Path
+    ) -> dict[str, str]:
+        """Parameter -> the one whose value it takes, of a table those that may."""
+        sound, followers = {}, {ascii_name(name) for name in leaders}
         for key, leader in leaders.items():
-            place, own, other = ("model", "parameters", key), known[ascii_name(key)], known[leader]
+            place, own, other = (*table, key), known[ascii_name(key)], known[leader]
             if own.unit != other.unit:
                 message = f"{own.name} is in {own.unit}, and the parameter {leader} in {other.unit}"
                 self.report.add(place, message, own.allowed)
-            elif leader in {ascii_name(name) for name in leaders}:
+            elif leader in followers or other.default_from == own.name:
                 message = f"{leader} takes the value of another itself"
                 self.report.add(place, message, "the name of a parameter that has a value")
             else:
                 sound[own.name] = leader
-        return following(model, sound)
+        return sound
 
     def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:
         known = {p.name: p for p in model.parameters}
         elsewhere = {p.name: "friction" for law in laws for p in law.parameters}
         follow = _leaders(model, table)
         given = {key: value for key, value in table.parameters.items() if key not in follow}
-        return self.parameters(given, known, elsewhere, ("model", "parameters"))
+        return self.parameters(given, known, elsewhere, MODEL_TABLE)
 
-    def of_laws(self, model: Model, laws: Sequence[Law], table: FrictionTable) -> dict[str, float]:
+    def of_laws(
+        self, model: Model, laws: Sequence[Law], table: FrictionTable, follow: Collection[str]
+    ) -> dict[str, float]:
         """The laws' parameters, and those of the tables ``[friction.LAW]``."""
-        left = self.left_of_others(model, laws)
+        left = {*self.left_of_others(model, laws), *follow}
         extra = {n: value for n, value in (table.model_extra or {}).items() if n not in left}
         own_tables = {name: value for name, value in extra.items() if isinstance(value, dict)}
         plain = {name: value for name, value in extra.items() if name not in own_tables}
@@ -435,9 +461,7 @@ class _Reader:
                 self.report.add(place, f"{name} is given twice")
             elif isinstance(value, str) and ascii_name(value) in {**known, **elsewhere}:
                 together = f'[sweep] zip = [["{name}", "{value}"]], both under [grid]'
-                hint = (
-                    f"a parameter of the model may have the value of another one; here: {together}"
-                )
+                hint = f"one may have the value of another of its table; here: {together}"
                 self.report.add(place, f"{value!r} is a parameter, not a value", suggestion=hint)
             else:
                 self.parameter(known[name], value, place, found)

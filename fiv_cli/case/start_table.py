@@ -12,6 +12,7 @@ from fiv_cli.case.report import Path, Report
 from fiv_cli.notation.names import ascii_name
 
 MOST_BYTES = 16 * 1024 * 1024
+CALLED = "starts of a table are called LABEL-000, LABEL-001, ...; LABEL stands in [[initial]]"
 HEADER = "a header of states such as x, x_dot [mm/s], then a start in each row"
 
 _COLUMN = re.compile(r"\s*([^\s\[(]+)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
@@ -67,7 +68,7 @@ def _check_names(names: Sequence[str], place: Path, physics: Physics, report: Re
     """Whether every column is a state, and no two are the same one."""
     for name in dict.fromkeys(names):
         if name not in physics.units_of_states():
-            note_no_state(name, (*place, name), physics, report)
+            note_no_state(name, (*place, name), physics, report, CALLED if name == "label" else "")
         elif names.count(name) > 1:
             raise ValueError(f"the column {name} stands in it twice")
     return report.understands(place)
@@ -81,5 +82,10 @@ def _rows(
             message = f"row {number} has {len(cells)} cells, and the header {len(columns)}"
             raise ValueError(message)
         pairs = zip(columns, cells, strict=True)
-        row = {name: f"{cell.strip()} {unit}".strip() for (name, unit), cell in pairs}
+        row = {name: _with_unit(cell.strip(), unit) for (name, unit), cell in pairs}
         yield (*place, f"row {number}"), row
+
+
+def _with_unit(cell: str, unit: str) -> str:
+    """A number of a column with its unit; what has one of its own keeps it."""
+    return cell if cell[-1:].isalpha() else f"{cell} {unit}".strip()

@@ -292,7 +292,9 @@ class InitialTable(Table):
         default=[], description="table: each start, its numbers in SI or with a unit; the rest is 0"
     )
     file: str | None = Field(
-        default=None, description="table: a CSV file beside the case, a column for each state"
+        default=None,
+        description="table: a CSV file beside the case: a header of states such as x, x_dot [mm/s] "
+        "and a start in each row, LABEL-000, LABEL-001, ...",
     )
     along: str | None = Field(default=None, description="axis along which a start is continued")
     direction: Literal["up", "down"] = Field(default="up", description="sense along the axis")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     Source = tuple[Path, dict[str, xr.Dataset]]
     Sources = list[Source]
+    Wanted = tuple[Path, Sources, FigureSpec]  # by default written to, drawn from
 
 
 LINES_ALONE = (
@@ -78,6 +79,7 @@ class Millimetres(click.ParamType):
     multiple=True,
     metavar="NAME",
     help="What that figure shows, in place of what its case says (repeatable); with --figure. "
+    "Numbers of its own are left out: level = 2, zlim, ... "
     "fiv variables lists what there is, of a motion F_T, F_N, ... too.",
 )
 @click.option(
@@ -277,7 +279,8 @@ def _of_files(
     from fiv_cli.reading.datasets import read_analyses
 
     drawn, left_out = [], []
-    for default, sources, asked in _asked(files, names, called):
+    wanted = [*_asked(files, names, called)]
+    for default, sources, asked in _plain(wanted, names[0]) if variables else wanted:
         try:
             figure = _showing(asked, variables)
             drawn.append((default, _drawn(sources, figure, look)))
@@ -319,7 +322,22 @@ def _showing(figure: FigureSpec, variables: Sequence[str]) -> FigureSpec:
             f"next: --figure {figure.kind} --variable NAME, or a figure of it in the case"
         )
     kept = {key: value for key, value in figure.settings.items() if key not in OF_A_VARIABLE}
+    if isinstance(level := figure.settings.get("level"), Mapping):  # which say of what they are
+        kept["level"] = level
     return replace(figure, settings={**kept, "variable": [*variables]})
+
+
+def _plain(wanted: Sequence[Wanted], kind: str) -> list[Wanted]:
+    """Of the figures of a kind those that take nothing of what they show, or all without it; of a
+    name the figure itself."""
+    if any(figure.name == kind for *_, figure in wanted):
+        return [*wanted]
+    own = [{k: one for k, one in figure.settings.items() if k != "take"} for *_, figure in wanted]
+    plain = [one for one, kept in zip(wanted, own, strict=True) if kept == one[2].settings]
+    return plain or [
+        (path, of, replace(figure, settings=kept))
+        for (path, of, figure), kept in zip(wanted, own, strict=True)
+    ]
 
 
 def _names_in(sources: Sources, figure: FigureSpec) -> list[str]:
@@ -349,9 +367,7 @@ def _unsaid(figure: Figure, names: Sequence[str]) -> list[str]:
     return [name for name in names if name not in texts]
 
 
-def _asked(
-    files: Sequence[Path], names: Sequence[str], called: Sequence[str]
-) -> Iterator[tuple[Path, Sources, FigureSpec]]:
+def _asked(files: Sequence[Path], names: Sequence[str], called: Sequence[str]) -> Iterator[Wanted]:
     """(default path, what it is drawn from, figure) of every figure that is asked for."""
     from fiv_cli.reading.changed import changed_since
     from fiv_cli.reading.datasets import read_analyses
@@ -370,7 +386,7 @@ def _asked(
         yield from _called(name, sources)
 
 
-def _called(name: str | None, sources: Sources) -> Iterator[tuple[Path, Sources, FigureSpec]]:
+def _called(name: str | None, sources: Sources) -> Iterator[Wanted]:
     """(default path, what it is drawn from, figure) of what is called `name`; None: of every."""
     from fiv_cli.plots import nothing_suits
     from fiv_cli.plots.drawing import KINDS

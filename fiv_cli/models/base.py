@@ -431,6 +431,7 @@ class Model:
     default_law : name of the friction law where a case names none
     law_defaults : law parameter -> default on this model, see `defaults_of`; a name: the value of
         that parameter
+    law_leaders : law parameter -> the one whose value it takes, as a case says
     forcings : periodic excitations
     revolution : parameters -> angular speed of the disc, rad/s; None when nothing turns
     derived : numbers that are computed from the parameters, if any
@@ -459,6 +460,7 @@ class Model:
     equations: Callable[[Symbols, Options], Equations]
     default_law: str
     law_defaults: Mapping[str, float | str] = field(default_factory=dict)
+    law_leaders: Mapping[str, str] = field(default_factory=dict)
     options: tuple[Option, ...] = ()
     contacts: int = 1
     stops: int = 0
@@ -515,12 +517,12 @@ class Model:
     def defaults_of(self, law: Friction) -> dict[str, float | str]:
         """Parameter of a law -> the default that this model gives it.
 
-        A law of one's own keeps what its file says, but on models of one's own.
+        A law of one's own keeps what its file says, but on models of one's own, and what a case
+        says to follow another.
         """
-        if law.origin is not None and self.origin is None:
-            return {}
-        names = [p.name for p in law.parameters if p.name in self.law_defaults]
-        return {name: self.law_defaults[name] for name in names}
+        is_kept = law.origin is not None and self.origin is None
+        told = {**({} if is_kept else self.law_defaults), **self.law_leaders}
+        return {p.name: told[p.name] for p in law.parameters if p.name in told}
 
     def excitation_period(self, known: Mapping[str, float]) -> float | None:
         """Common period of the excitations that are on, s; None where none is.

@@ -67,7 +67,8 @@ OPTIONS = (
         "impact",
         ("plastic", "none"),
         "plastic",
-        "re-contact: slider and disc go on together, or with their own velocities",
+        "re-contact: slider and disc go on together, as in the thesis, or with their own "
+        "velocities, k3 being a spring that only pushes",
     ),
     disc.SLOPE_FORCE,
     disc.DISC_DAMPING,

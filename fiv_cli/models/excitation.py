@@ -114,7 +114,9 @@ def excited(model: Model, name: str) -> Model:
         _refuse_nothing(model, term)
         added += _parameters(model, term, added)
     _refuse_two_of_one_name(model, added)
-    table = _following((*model.parameters, *added), leaders)
+    every = [*model.parameters, *added]
+    own = {n: leader for n, leader in leaders.items() if n in {p.name for p in every}}
+    table = _following(every, own)
     varied = tuple(term.of for term in terms if term.kind == "parameter")
     loads = _of_role(model, "preload")
     alone = len(terms) == 1 and not model.forcings
@@ -124,6 +126,7 @@ def excited(model: Model, name: str) -> Model:
         name=name,
         title=f"{model.title}, excited" if terms else model.title,
         parameters=tuple(table),
+        law_leaders={n: leader for n, leader in leaders.items() if n not in own},
         equations=_equations(model, terms),
         constant_load=model.constant_load and not loads & set(varied),
         forcings=(*model.forcings, *forcings),

@@ -100,6 +100,7 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     others_at = _mark_other_sections(ax, [layer.dataset for layer in shown], framed)
     sorts = [cloud.family or cloud.label for cloud in clouds]
     notes = [*_of_other_sections(others_at, axis, observed), *points.of_many_lines(sorts)]
+    notes += [*dict.fromkeys(_held_where_points_vary(first, axis, along))]
     is_unjudged = any("equilibrium" in one for one in others) and not any(
         {"stable", "growth_rate"} <= {*one} for one in others
     )
@@ -114,6 +115,17 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     if "xlim" not in settings:
         style.add_notes(figure, [*_beyond(ax, along)])
     return figure
+
+
+def _held_where_points_vary(
+    diagram: xr.Dataset, axis: xr.DataArray, branches: Sequence[xr.Dataset]
+) -> Iterator[str]:
+    """What branches hold fixed and the points of a diagram vary together with its axis."""
+    together = [n for n, one in diagram.coords.items() if one.dims == axis.dims and n != axis.name]
+    for name, one in itertools.product(together, branches):
+        if name in one.coords and not one[name].ndim and one[name].dtype.kind == "f":
+            held = labels.value_label(one[name], one[name].item())
+            yield f"branches are those at {held}, which the points vary with {axis.name}"
 
 
 def _diagrams(layers: Sequence[points.Layer], name: str) -> list[points.Layer]:
@@ -198,28 +210,33 @@ def _start_of(diagram: xr.Dataset) -> str:
 
 def _mark_other_sections(
     ax: Axes, datasets: Sequence[xr.Dataset], settings: points.Settings
-) -> list[float]:
-    """A line across where the section that motions choose changes: values jump there with it."""
-    met = {place for dataset in datasets for place in _other_sections(dataset, settings)}
-    places = sorted(met)
-    for number, place in enumerate(places):
+) -> list[tuple[float, float]]:
+    """A line across where the section that motions choose changes, half-way between neighbours:
+    values jump there with it."""
+    places = sorted({step for one in datasets for step in _other_sections(one, settings)})
+    for number, ends in enumerate(places):
         label = points.unlisted("another section") if number else "another section"
-        ax.axvline(place, color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
+        ax.axvline(0.5 * sum(ends), color=style.GREY, ls=":", lw=1.0, zorder=1, label=label)
     return places
 
 
-def _of_other_sections(places: Sequence[float], axis: xr.DataArray, observed: str) -> list[str]:
+def _of_other_sections(
+    places: Sequence[tuple[float, float]], axis: xr.DataArray, observed: str
+) -> list[str]:
     """What to ask for where values of other sections stand side by side."""
     if not places:
         return []
-    where = ", ".join(f"{place:.4g}" for place in places[:3]) + ", ..." * (len(places) > 3)
+    shown = ", ".join(f"{low:.4g} and {high:.4g}" for low, high in places[:3])
+    where = f"{shown}{', ...' * (len(places) > 3)}"
     zero = "STATE" if observed.endswith("_dot") else f"{observed}_dot"
     one = f'section = {{ zero = "{zero}" }} in the analysis, say, is one for all'
-    return [f"the section changes at {axis.name} = {where}, and values jump there; {one}"]
+    return [f"the section changes between {axis.name} = {where}, and values jump there; {one}"]
 
 
-def _other_sections(dataset: xr.Dataset, settings: points.Settings) -> Iterator[float]:
-    """The middles between neighbours along the axis whose motions have different sections."""
+def _other_sections(
+    dataset: xr.Dataset, settings: points.Settings
+) -> Iterator[tuple[float, float]]:
+    """Neighbours along the axis whose motions have different sections, from low to high."""
     if "section_kind" not in dataset:
         return
     axis = points.abscissa(dataset, settings)
@@ -231,7 +248,7 @@ def _other_sections(dataset: xr.Dataset, settings: points.Settings) -> Iterator[
         met = np.flatnonzero(np.isfinite(section))
         for one, other in itertools.pairwise(met.tolist()):
             if section[one] != section[other]:
-                yield float(0.5 * (x[one] + x[other]))
+                yield min(x[one], x[other]), max(x[one], x[other])
 
 
 def _as_the_grid(

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from fiv_cli.case.overrides import parse_override
 from fiv_cli.plots import branch, points, style
 from fiv_cli.plots.drawn import in_one_line
 from fiv_cli.plots.labels import title_of, unit_text
@@ -41,7 +42,9 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
         _of_all(*([held_words(one, name) for one in some] for some in (datasets, swept)))
         for name in names
     ]
-    given = [word for word in every if word not in said | {""}]
+    ends = {word: f" = {word.removeprefix('$')}" for word in every}  # of a parameter that leads it
+    follow = {word for word in every for one in every if one.endswith(ends[word])}
+    given = [word for word in every if word not in said | follow | {""}]
     with_starts = [one for one in datasets if "initial" in one or "share" in one]
     of_each = [[*_random_starts(one), *_starts_of_a_table(one)] for one in with_starts]
     starts = of_each[0] if of_each and all(own == of_each[0] for own in of_each) else []
@@ -85,8 +88,16 @@ def _given(dataset: xr.Dataset) -> Iterator[str]:
     yield from _table(_table(case, "model"), "parameters")
     yield from _table(case, "friction")
     yield from _table(_table(case, "model"), "options")
+    yield from _options_by_hand(dataset)
     if "separation_fraction" in dataset and bool((dataset["separation_fraction"] > 0.0).any()):
         yield "impact"  # which decides how large motions are
+
+
+def _options_by_hand(dataset: xr.Dataset) -> Iterator[str]:
+    """The options of the model that the run was given with --set."""
+    for told in ("overrides", "overridden"):
+        given = map(parse_override, str(dataset.attrs.get(told, "")).splitlines())
+        yield from (one.keys[-1] for one in given if one.keys[:-1] == ("model", "options"))
 
 
 def _of_all(held: Sequence[Sequence[str]], swept: Sequence[Sequence[str]]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 FINER = 0.3  # share of its size that a mark has in a crowd ...
 STILL_SEEN = 0.6  # ... and where it is undecided: upon a line of equilibria, too
 BAR = 0.4  # size of a dot times columns, in widths: the widest marks, one in another, are a bar
+SIDE_BY_SIDE = 0.3  # ... and of these next to one another
 SEEN_ON_LINES = 2.4  # size of dots that lines lead through, where columns have room for them ...
 FILLED = 0.75  # ... which is this share of it
 APART = 1.9  # size of marks that stand apart, and ...
@@ -62,9 +63,11 @@ def mark_clouds(
     many, size = count > style.MANY_MARKS, style.dot_size(columns, width)
     size *= style.finer(count - crowd + sum(one.rest_y.size for one in clouds))
     room = style.POINTS * width / columns
-    are_bars = max(entry.number for entry in entries) > 0 and size > BAR * room
-    if are_bars:
+    several = max(entry.number for entry in entries) > 0
+    if are_bars := several and size > BAR * room:
         size = max(size, min(SEEN_ON_LINES, FILLED * room))
+    elif several:
+        size = min(size, SIDE_BY_SIDE * room)
     apart, squares = np.concatenate([one.sticking[~one.told] for one in clouds]), count > 0
     if are_bars or (apart.size and squares):  # beneath a square no dot is seen
         entries = [*map(_no_dot, entries)]
@@ -79,6 +82,7 @@ def mark_clouds(
         else:
             _mark_values(ax, cloud, entry, size, sorts, many)
             _mark_rests(ax, cloud, entry, size, sorts, resting, squares, len(pairs) == 1)
+    style.add_notes(ax.figure.figure, [*_hidden(pairs)] * (not are_bars))
     if are_bars:
         _mark_some(ax, pairs, sorts, resting, settings, squares)
         style.add_notes(ax.figure.figure, [THINNED])
@@ -109,6 +113,20 @@ def _name_undecided(ax: Axes, pairs: Sequence[tuple[Cloud, points.Entry]], size:
 def _no_dot(entry: points.Entry) -> points.Entry:
     """With a mark that is told from dots."""
     return replace(entry, number=entry.number + (entry.number >= style.DOT_AMONG_MARKS))
+
+
+def _hidden(pairs: Sequence[tuple[Cloud, points.Entry]]) -> Iterator[str]:
+    """Which clouds lie, mostly, beneath others whose mark is the same: those of runs that agree."""
+    for (one, own), (other, its) in itertools.combinations(pairs, 2):
+        if own.number == its.number and own.colour != its.colour:
+            x, y = np.append(one.x, one.rest_x), np.append(one.y, one.rest_y)
+            above = np.append(other.x, other.rest_x), np.append(other.y, other.rest_y)
+            hidden = int((points.met_by(x, y, [above]) > 0).sum())
+            if 2 * hidden > x.size:
+                yield (
+                    f"{one.label}: {hidden} of its {x.size} values lie beneath those of "
+                    f"{other.label}, whose mark is the same; draw it alone to see them"
+                )
 
 
 def _mark_beneath(

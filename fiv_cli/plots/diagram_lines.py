@@ -113,6 +113,13 @@ def mark_critical(
         fill = style.BLACK if look["mfc"] == look["color"] else look["mfc"]
         ax.plot([], [], label=told, **CRITICAL | {"mfc": fill})
     _tell_of_those_beyond(ax, np.concatenate(places), x, f"{words} at", str(axis.name))
+    several = len({(label, *at.tolist()) for label, at in zip(lines, places, strict=True)}) > 1
+    if several and len({str(look) for _, look in looks}) == 1:
+        note = (
+            f"{words}: one mark for those of {listed([*dict.fromkeys(lines)])}; of a single start "
+            "(select in the figure) they have the colours of their lines"
+        )
+        style.add_notes(ax.figure.figure, [*{note} - {*style.notes_on(ax.figure.figure)}])
 
 
 def _looks_of_critical(

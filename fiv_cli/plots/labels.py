@@ -231,14 +231,16 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     fixed = [_fixed_of_axes(one, datasets) for one in datasets]
     alone = fixed.count("") == 1 < len(fixed)  # its own lines tell it from what is fixed
     return [
-        name or ("" if alone and _has_lines(one) else file)
+        name or ("" if alone and _has_lines(one, datasets) else file)
         for name, (file, one) in zip(fixed, files, strict=True)
     ]
 
 
-def _has_lines(dataset: xr.Dataset) -> bool:
-    """Whether it varies along an axis beside that of a figure."""
-    return sum(dataset.sizes[dim] > 1 for dim in dataset["status"].dims) > 1
+def _has_lines(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> bool:
+    """Whether it varies along an axis beside that of a figure, by itself, what others fix."""
+    varied = [name for name, axis in dataset.coords.items() if axis.dims == (name,)]
+    fixed = any(name in one.coords and one[name].ndim == 0 for name in varied for one in others)
+    return fixed and sum(dataset.sizes[dim] > 1 for dim in dataset["status"].dims) > 1
 
 
 def _differing_settings(datasets: Sequence[xr.Dataset]) -> list[str]:

@@ -56,8 +56,9 @@ TOUCH = 1e-9  # of the largest value: what lies as close to a level is at it
 MOST_PLACES, MOST_ELSEWHERE = 150, 5000
 UNHIDDEN = 2.5  # times as long as its level a line is at least that has it on it, and is seen
 STEP = 0.25  # between points of other lines, in heights of letters
-# Heights of letters between a short line and its level beside it; ways there; places tried.
-BY, MOST_BESIDE = 0.3, 30
+# Heights of letters between a short line and its level beside it, and where there is no room for
+# that; ways there; places tried.
+BY, FURTHER, MOST_BESIDE = 0.3, 1.0, 30
 ENOUGH = 0.5  # of these heights, by which another line is further off: then rather at the middle
 WAYS = np.array([(1, 0), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1), (0, -1), (0, 1)], float)
 AT_END = 0.25  # of the length of a line: where a stroke to it would look like a bend
@@ -71,7 +72,8 @@ LEAST_PERIODS = 1.6  # of dashes that a piece of a line shows
 RIM: Any = [withStroke(linewidth=2.3, foreground="white")]  # of lines on any shade
 STYLES: tuple[Any, ...] = (
     *("solid", "dashed", "dotted", (0, (3.2, 1.2, 1.0, 1.2))),  # which short lines show too
-    *((0, (8.0, 2.0)), (0, (5.0, 1.5, 1.0, 1.5, 1.0, 1.5)), (0, (2.0, 1.0)), (0, (1.0, 4.0))),
+    *((0, (8.0, 2.0)), (0, (8.0, 1.5, 1.0, 1.5)), (0, (1.0, 4.0))),
+    (0, (5.0, 1.5, 1.0, 1.5, 1.0, 1.5)),
 )
 
 
@@ -498,7 +500,8 @@ def _write_beside(
     line = max((pixels(piece) for piece in lines), key=_extent, default=own)
     line = _thinned(_dense(line, STEP * height), MOST_BESIDE)
     middle = line[np.argsort(np.abs(np.arange(len(line)) - len(line) // 2))]
-    places = (middle[:, None] + WAYS * (half + BY * height)).reshape(-1, 2)
+    ways = np.concatenate([WAYS * (half + by * height) for by in (BY, FURTHER)])
+    places = (middle[:, None] + ways).reshape(-1, 2)
     texts = np.reshape([pixels(one.get_position()) for one in ax.texts], (-1, 2))
     upon = _gaps(places, half, np.concatenate([own, far])) == 0.0
     upon |= _gaps(places, 2.0 * half, texts) == 0.0  # of boxes as large

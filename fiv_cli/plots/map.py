@@ -762,9 +762,11 @@ def _paint_numbers(
     is_signed = difference or str(planes.array.name).rpartition(":")[2] in SIGNED
     signed = not (logarithmic or counted) and (is_signed or low < 0.0 < high)
     colours = _of_both_signs(low, high) if signed else colormaps["cividis"]
+    beside = (high - low) / SHADES * signed  # the shade of zero is of nothing else
     for ax, panel in zip(axes, planes.panels, strict=False):
         plane = planes.of(values, panel)
-        painted = np.where(plane > least, np.clip(plane, low, high), np.nan)
+        apart = np.sign(plane) * np.maximum(np.abs(plane), beside)
+        painted = np.where(plane > least, np.clip(apart, low, high), np.nan)
         image = planes.mesh(ax, painted, cmap=colours, norm=norm)
         if (plane <= least).any():
             below = np.where(plane <= least, 0.0, np.nan)

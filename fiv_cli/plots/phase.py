@@ -43,6 +43,10 @@ MOST, INSTANTS = 0.998, 20_000
 # what reaches no farther no line would be seen: it is a dot.
 JUMP: dict[str, Any] = {"color": "#444444", "ls": ":", "lw": 1.0}  # over a stick along it
 SEEN, DOT = 0.01, 4.0
+OF_CONTACTS = (
+    "motions stick on several contacts, whose marks lie upon one another where they meet; a figure "
+    "of each motion alone, or `select` of one contact, tells them apart"
+)
 HELD: dict[str, Any] = {"color": style.BLACK, "ls": "--", "lw": 1.0}
 
 
@@ -62,6 +66,8 @@ def draw(layers: Sequence[points.Layer], settings: points.Settings) -> Figure:
     portraits = [_portrait(*of, names, settings) for of in zip(motions, marks, strict=True)]
     for number, portrait in enumerate(portraits):
         _panel(axes[0 if shared else number], portrait, names, settings)
+    if shared and len(motions) > 1 and any(portrait.sticks for portrait in portraits):
+        style.add_notes(figure, [OF_CONTACTS])
     for ax, one in zip(axes, motions, strict=False):
         ax.set_title("" if shared else one.label)
         ax.set_xlabel(motion.label_of(dataset[names[0]], settings))

@@ -495,6 +495,7 @@ def new_panels(rows: int, columns: int, title: str, **shared: Any) -> tuple[Figu
         words = "\n".join(textwrap.fill(line, letters(figure)) for line in title.splitlines())
         figure.suptitle(words, fontsize=mpl.rcParams["axes.titlesize"])
     axes = figure.subplots(rows, columns, squeeze=False, **shared)
+    figure.align_ylabels()
     return figure, list(axes.ravel())
 
 

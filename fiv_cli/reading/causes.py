@@ -9,6 +9,7 @@ from difflib import ndiff
 from typing import Any
 
 from fiv_cli.case.identity import section_as_written
+from fiv_cli.case.structure import InitialTable
 
 WORDS = {
     "model": "model",
@@ -81,10 +82,16 @@ def _of_starts(
 ) -> list[tuple[str, Any, Any]]:
     """What is said otherwise of starts that both have."""
     return [
-        (f"{start} {key}", left[start].get(key, NONE), right[start].get(key, NONE))
+        (f"{start} {key}", *(side[start].get(key, _unsaid(key)) for side in (left, right)))
         for start in left.keys() & right.keys()
         for key in left[start] | right[start]
     ]
+
+
+def _unsaid(key: str) -> Any:
+    """What a start has where its case says nothing."""
+    field = InitialTable.model_fields.get("from_label" if key == "from" else key)
+    return NONE if field is None or field.default is None else field.get_default()
 
 
 def _read(attributes: Mapping[str, Any], key: str) -> dict[str, Any]:

@@ -54,7 +54,8 @@ class Answer:
     going_on : whether every chain carries any motion on
     beyond : points whose friction was not measured, and those that pass what their equations take
         as small, in words
-    still : at which end of a bracket what was followed has not ended, in words
+    still : at which end of a bracket what was followed has not ended, and which impacts motions
+        have, in words
     """
 
     name: str
@@ -135,7 +136,7 @@ def _answer(journal: Journal, index: int) -> Answer:
         not_reached=int(behind.sum()),
         going_on=all(start.on_loss == "go-on" for start in _followed(journal)),
         beyond=(*_beyond_measured(journal, index), *_beyond_small(journal, index)),
-        still=tuple(_still(journal, index)),
+        still=(*_still(journal, index), *_impacts(journal, index)),
     )
 
 
@@ -209,6 +210,19 @@ def _still(journal: Journal, index: int) -> list[str]:
         return []
     classes = {name: np.concatenate(codes) for name, codes in found.items()}
     return still(settings["of"], settings["follow"], classes, classes["n_crossings"])
+
+
+def _impacts(journal: Journal, index: int) -> Iterator[str]:
+    """What is assumed of impacts where motions separate and come back: it decides how large they
+    are."""
+    case = journal.plan.case
+    if case.options.get("impact") == "plastic" and all(axis.name != "impact" for axis in case.axes):
+        leave = int((_values_of(journal, index, "separation_fraction") > 0.0).sum())
+        told = (
+            f"{leave} with separation: contact begins anew at the speed of its partner (impact = "
+            '"plastic"); at their own speed: --set model.options.impact=none'
+        )
+        yield from [told] * bool(leave)
 
 
 def _beyond_small(journal: Journal, index: int) -> list[str]:

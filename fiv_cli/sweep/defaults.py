@@ -30,9 +30,10 @@ def defaults(case: Case, given: Collection[str]) -> dict[str, float | str]:
 
 
 def _following(case: Case, given: Collection[str]) -> dict[str, str]:
-    """Parameter -> the one whose value it has, where the case gives it none."""
+    """Parameter -> the one whose value it has, where the case says neither that nor a value."""
     model, known = get_model(case.model), {key.rpartition(".")[2] for key in case.parameters}
-    decided = {*known, *case.schedule.names, *given, *(axis.name for axis in case.axes)}
+    *_, stated = terms_of(model.name)
+    decided = {*known, *case.schedule.names, *given, *stated, *(axis.name for axis in case.axes)}
     tables = [model.parameters_under(get_law(law)) for law in case.laws]
     return {
         one.name: one.default_from
@@ -95,7 +96,8 @@ def _fed(model: Model) -> Iterator[str]:
 
 def _level(case: Case) -> Iterator[str]:
     """Laws that do not fall from stick to slip, because the model's mu_s is mu_k."""
-    given = {*case.explicit, *case.schedule.names, *(axis.name for axis in case.axes)}
+    *_, stated = terms_of(case.model)
+    given = {*case.explicit, *case.schedule.names, *stated, *(axis.name for axis in case.axes)}
     for law in map(get_law, case.laws):
         of_law = {p.name: p for p in get_model(case.model).parameters_under(law)}
         static = of_law.get("mu_s")
