@@ -172,9 +172,10 @@ def test_marks_of_gaps_that_look_alike_are_one_row():
     rows = {("undecided", "a, up"): np.r_[1.0], ("undecided", "a, down"): np.r_[2.0]}
     for own, told in (({"a": "red"}, [("a, up and down", [1.0, 2.0])]), ({}, [("", [1.0, 2.0])])):
         looks = points._by_look(rows, own).values()
-        assert [(whose, x.tolist()) for whose, x in looks] == told
+        assert [(whose, x.tolist()) for whose, x, _ in looks] == told
+        assert all(is_mixed for *_, is_mixed in looks)  # neither has both, which is told
     alone = points._by_look({("pending", "a, up"): np.r_[1.0]}, {})
-    assert [whose for whose, _ in alone.values()] == ["a, up"]
+    assert [(whose, is_mixed) for whose, _, is_mixed in alone.values()] == [("a, up", False)]
 
 
 def test_marks_of_gaps_leave_free_what_is_known_between_them():

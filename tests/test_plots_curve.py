@@ -168,7 +168,7 @@ def test_a_line_stands_where_the_section_that_motions_choose_changes():
     (ax,) = draw(other, figure("bifurcation")).axes
     assert marks(ax, "another section")[:, 0].tolist() == pytest.approx([2.95, 2.95])
     (note,) = style.notes_on(ax.figure)
-    assert "changes at Omega = 2.95, and" in note
+    assert "changes between Omega = 2.9 and 3, and" in note
     assert 'section = { zero = "phi_dot" }' in in_one_line(note)  # as it is told
 
 
@@ -244,6 +244,7 @@ def test_where_a_line_leaves_a_motion_for_another_of_its_class_is_told():
     at, found["multiplicity"] = found["Omega"].values, found["L_s"].copy(data=np.ones((8, 1)))
     for heights, gaps in (
         ([1.0, 1.1, 1.2, 1.3, 3.0, 3.1, 3.2, 3.3], [4]),
+        ([1.0, 0.9, 0.8, 0.7, 1.0, 0.9, 0.8, 0.7], [4]),  # against both sides
         ([1.1, 2.0, 2.6, 2.6, 2.7, 2.7, 2.8, 2.8], []),  # sticks from the third on
     ):
         found["L_s"] = found["L_s"].copy(data=np.array(heights)[:, None])
@@ -315,7 +316,7 @@ def test_critical_values_lie_where_amplitudes_begin():
     looks = {(one.get_color(), one.get_mfc()) for one in at}
     assert len(at) == len(looks) == 6 and len({colour for colour, _ in looks}) == 3
     told = [text for text in legend_texts(ax) if "critical value" in text]
-    assert told == [f"critical value of $\\Omega$: $N_{{0}}$ = {own}" for own in (1, 2)]
+    assert told == [f"critical value: $N_{{0}}$ = {own}" for own in (1, 2)]
     two = critical.expand_dims(N0=[1.0, 2.0, 3.0])
     starts = found.expand_dims(N0=[1.0, 2.0, 3.0]).isel(initial=[0, 0]).copy(deep=True)
     starts = starts.assign_coords(initial=["near", "far"])

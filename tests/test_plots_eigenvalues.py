@@ -184,9 +184,9 @@ def test_critical_values_mark_the_largest_growth_and_lines_of_modes_each_by_its_
     fills = {
         str(line.get_label()): line.get_markerfacecolor()
         for line in top.lines
-        if words in str(line.get_label())
+        if "critical value" in str(line.get_label())
     }
-    assert [*fills] == [f"{words}: coulomb", f"{words}: stribeck"]
+    assert [*fills] == ["critical value: coulomb", "critical value: stribeck"]
     assert len({*fills.values()}) == 2
 
 
@@ -293,7 +293,7 @@ def test_critical_values_of_another_file_lie_where_growth_is_zero():
     critical = xr.Dataset(found, data.axes(k=[1.0, 2.0, 3.0]), data.attributes())
     critical["critical_value"].attrs["long_name"] = "critical value of mu_k"
     drawn = draw([("", lines), ("critical", critical)], figure("eigenvalues"))
-    words = "critical value of $\\mu_k$"
+    words = "critical value"
     found = [line for line in drawn.axes[0].lines if words in str(line.get_label())]
     places = [place for line in found for place in line.get_xydata().tolist()]
     assert places == [[0.5, 0.0], [0.6, 0.0], [0.7, 0.0]]

@@ -267,6 +267,9 @@ def test_a_table_of_one_row_is_no_axis_and_a_mistake_in_it_is_told_alone(tmp_pat
         table(tmp_path, "x_dt\n1.0\n", starts)
     assert "one start" not in str(told.value)
     table(tmp_path, "x\n1.0\n2.0\n", starts)
+    select = 'select = { initial = "basin 001" }\n'  # as a legend has it
+    with pytest.raises(CaseError, match="did you mean 'basin-001'"):
+        table(tmp_path, "x\n1.0\n2.0\n", starts + select)
 
 
 def test_a_changed_file_is_another_case(tmp_path: Path) -> None:

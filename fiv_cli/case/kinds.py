@@ -274,7 +274,7 @@ One law, or several as an axis of the grid; `fiv show` then says how far each an
 law. `fiv models --laws` lists laws, `fiv models NAME` the parameters of one.
 
     [friction]
-    mu_s = 0.4                            # of every law that has it
+    mu_s = 0.4                            # of every law that has it; "mu_k": follows that
     stribeck = { v_s = 0.05 }             # of this one
     [grid]
     friction = ["coulomb", "stribeck"]    # a single one: law = "stribeck" under [friction]

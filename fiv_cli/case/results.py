@@ -237,7 +237,9 @@ def _wanted(
 ) -> float | str | None:
     """One value of an axis that is selected; None, and a note, where it is none."""
     if kind == "label" and not answers.has_label(value):
-        report.unknown(at, f"there is no start {value!r}", str(value), answers.labels())
+        spelt = str(value).replace(" ", "-")  # figures leave out the hyphen of a table's starts
+        hint = f"did you mean {spelt!r}?" if answers.has_label(spelt) else ""
+        report.unknown(at, f"there is no start {value!r}", str(value), answers.labels(), hint)
         return None
     try:
         return _selected(name, kind, value, answers)

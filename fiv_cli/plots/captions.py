@@ -65,7 +65,7 @@ def _by_default(datasets: Sequence[xr.Dataset], given: set[str]) -> list[str]:
     alike = [one[0][0] for one in held if one[0] and all(own == one[0] for own in one)]
     words = [word for word in alike if word.rpartition(" = ")[2].split()[0] != "0"]
     if len(words) > MOST_DEFAULTS:
-        model = datasets[0].attrs.get("model", "MODEL")
+        model = str(datasets[0].attrs.get("model", "MODEL")).partition(" + ")[0]
         return [f"{len(words)} parameters by default (fiv models {model})"]
     return [f"by default {', '.join(words)}"] * bool(words)
 

@@ -139,7 +139,8 @@ def _looks_of_critical(
     if max(fills) >= len(FILLS) or not all(shared.values()):
         fills = [0 for _ in lines]
     for colour, fill in zip(colours, fills, strict=True):
-        told = f"{words}: {shared[fill]}" if any(fills) else words
+        # beside one another, of the abscissa, they are short enough for a line each
+        told = f"{words.partition(' of ')[0]}: {shared[fill]}" if any(fills) else words
         yield told, {"color": colour, "mfc": FILLS[fill] or colour}
 
 

@@ -25,6 +25,7 @@ LEAP = 6.0  # ... or within a kind of cycle, where a square root begins steeply
 SEEN, SEEN_ALONE, GROWN = 0.02, 0.25, 0.5
 # ... or, on its both sides, the steps of a mark, and of its range: no root nor grazing does that
 CLEAR, GREAT = 12.0, 0.1
+TURNED = 2.0  # ... or the steps on its both sides, which lead the other way
 SHARE_OF_STEP = 0.5  # of its own, that the step of what a line goes over to has at most
 
 
@@ -98,7 +99,8 @@ def told_apart(kinds: np.ndarray, marks: Sequence[xr.DataArray]) -> tuple[np.nda
 
 def _clearly(mark: np.ndarray, kinds: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
     """Between which neighbours a mark of cycles of one kind steps far more than on both sides, at
-    an end of a row of these than twice before it; other steps as great are passed over."""
+    an end of a row of these than twice before it; other steps as great are passed over. Where both
+    sides lead the other way, no curve leads through a step that is twice theirs."""
     is_cycle = np.where(kinds % MANY > 0.0, kinds, np.nan)
     steps = np.where(is_cycle[1:] == is_cycle[:-1], np.abs(np.diff(mark)), np.nan)
     clear, known = np.zeros(steps.shape, bool), np.isfinite(steps)
@@ -112,6 +114,11 @@ def _clearly(mark: np.ndarray, kinds: np.ndarray, ends: tuple[float, float]) -> 
             both = before.size and after.size
             beside = [before[-1], after[0]] if both else [*before, *after]
             clear[step] = len(beside) == 2 and steps[step] > CLEAR * steps[beside].max()
+    turns = np.where(np.isfinite(steps), np.diff(mark), 0.0)
+    before, here, after = turns[:-2], turns[1:-1], turns[2:]
+    against = (before * here < 0.0) & (here * after < 0.0)
+    least = TURNED * np.maximum(np.abs(before), np.abs(after))
+    clear[1:-1] |= against & (np.abs(here) > np.maximum(least, GREAT * np.ptp(ends)))
     return clear
 
 

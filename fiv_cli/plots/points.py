@@ -716,10 +716,13 @@ def mark_gaps(
     looks = _by_look({row: here for row, here in shown.items() if here.size}, colours(axes))
     step = (GAP_MARK + 1.0) * ax.figure.dpi / style.POINTS / ax.bbox.height
     every = [positions(abscissa(layer.dataset, settings)) for layer in layers]
-    for level, ((name, colour), (whose, x)) in enumerate(looks.items()):
+    for level, ((name, colour), (whose, x, is_mixed)) in enumerate(looks.items()):
+        entry = f"{name}: {whose}" if whose else name
+        note = f"{entry}: ticks of several lines in one row, which `select` of one tells apart"
+        style.add_notes(ax.figure.figure, [note] * is_mixed)
         ax.plot(
             x, np.full(x.shape, step * (level + 0.5)), GAP_MARKS[name][0], color=colour,
-            ms=GAP_MARK, ls="none", label=f"{name}: {whose}" if whose else name, clip_on=False,
+            ms=GAP_MARK, ls="none", label=entry, clip_on=False,
             transform=ax.get_xaxis_transform(), zorder=5,
             markevery=_apart(ax, x, np.setdiff1d(np.concatenate(every), x)),
         )  # fmt: skip
@@ -740,8 +743,9 @@ def mark_gaps(
 
 def _by_look(
     rows: Mapping[tuple[str, str], np.ndarray], own: Mapping[str, ColorType]
-) -> dict[tuple[str, ColorType], tuple[str, np.ndarray]]:
-    """Kind of gap and colour -> whose it is, and where: what looks alike is one row."""
+) -> dict[tuple[str, ColorType], tuple[str, np.ndarray, bool]]:
+    """Kind of gap and colour -> whose it is, where, and whether of some not everywhere: what looks
+    alike is one row."""
     looks: dict[tuple[str, ColorType], list[tuple[str, str, np.ndarray]]] = {}
     for (name, whose), x in rows.items():
         of = next((entry for entry in own if is_of(whose, entry)), "")
@@ -749,11 +753,13 @@ def _by_look(
     return {look: _in_one_row(alike) for look, alike in looks.items()}
 
 
-def _in_one_row(alike: Sequence[tuple[str, str, np.ndarray]]) -> tuple[str, np.ndarray]:
-    """Whose gaps that look alike are, and where: of those of one legend entry, or of nobody's."""
+def _in_one_row(alike: Sequence[tuple[str, str, np.ndarray]]) -> tuple[str, np.ndarray, bool]:
+    """Whose gaps that look alike are, and where, and whether not all have all: of those of one
+    legend entry, or of nobody's."""
     names, entry = [whose for whose, *_ in alike], alike[-1][1]
     whose = (of_all(names) or entry) if entry or len(alike) == 1 else ""
-    return whose, reduce(np.union1d, [x for *_, x in alike])
+    every = reduce(np.union1d, [x for *_, x in alike])
+    return whose, every, any(x.size < every.size for *_, x in alike)
 
 
 def _gap_rows(

@@ -380,7 +380,10 @@ def _frame(
     points.scale(ax, settings)
     top = max((height.max(initial=0.0) for _, height in _seen(spectra)), default=0.0)
     if points.is_logarithmic(settings, "y") and "ylim" not in settings and top > 0.0:
-        ax.set_ylim(top * 10.0**-LOG_DECADES, 10.0 * top)
+        (low, high), foot = ax.get_xlim(), top * 10.0**-LOG_DECADES
+        within = (height[(low <= x) & (x <= high)] for x, height in _seen(spectra))
+        least = min((one[one > foot].min(initial=top) for one in within), default=foot)
+        ax.set_ylim(max(foot, 0.1 * least), 10.0 * top)
 
 
 def _highest(spectra: Sequence[_Shape], decades: float) -> float:
