@@ -166,6 +166,13 @@ def test_on_paper_a_figure_is_as_wide_as_asked_without_title_and_in_its_font(tmp
     case = "[model]\nparameters = { N = 5.0 }\n[[initial]]\nlabel = 'any'\nkind = 'random'\n"
     given = data.bifurcation().assign_attrs(case=case).assign_coords(N=((), 5.0, {"units": "N"}))
     breaks = "; lines break where the class of motion changes" if kind == "curve" else ""
+    random = "[[initial]]\nlabel = 'any'\nkind = 'random'\ncount = {}\nbox = {{ phi = [0, 1] }}\n"
+    files = [
+        (name, given.assign_coords(initial=["any-0", "any-1"]).assign_attrs(case=random.format(n)))
+        for name, n in (("a", 100), ("b", 400))
+    ]
+    told = "".join(style.notes_on(draw(files, figure(kind), look=paper)))
+    assert "file by file: any: 100 random starts, phi from 0 to 1 | any: 400 random" in told
     told = [f"for the caption: N = 5 N{breaks}"]
     thinned = [THINNED] * (kind == "bifurcation")  # for want of room
     assert style.notes_on(draw(given, figure(kind), look=paper)) == [*thinned, *told]

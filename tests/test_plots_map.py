@@ -776,7 +776,7 @@ def test_in_a_jump_to_rest_a_level_lies_half_way(overlay):
     assert (halves[~cut].round() % 2).any(axis=1).all()  # none lies on a point of the grid
     asked = figure("map", variable="L_s", level=1e-6, border=False, overlay=overlay)
     if overlay:
-        with pytest.raises(EmptyFigureError, match="in the jump between rest and motion"):
+        with pytest.raises(EmptyFigureError, match="which border = false leaves out"):
             draw(dataset, asked)
     else:
         assert not draw(dataset, asked).findobj(ContourSet)

@@ -47,7 +47,10 @@ def caption(drawn: Figure, datasets: Sequence[xr.Dataset]) -> list[str]:
     given = [word for word in every if word not in said | follow | {""}]
     with_starts = [one for one in datasets if "initial" in one or "share" in one]
     of_each = [[*_random_starts(one), *_starts_of_a_table(one)] for one in with_starts]
-    starts = of_each[0] if of_each and all(own == of_each[0] for own in of_each) else []
+    alike = all(own == of_each[0] for own in of_each)
+    starts = of_each[0] if of_each and alike else []
+    if not alike and all(of_each):
+        starts = [f"starts, file by file: {' | '.join('; '.join(own) for own in of_each)}"]
     left = _by_default(datasets, known)
     told = [*filter(None, below), ", ".join(given), *left, *starts, *style.caption_of(drawn)]
     words = in_one_line("; ".join(filter(None, told)))

@@ -59,6 +59,7 @@ MIDDLE = "undecided points: middle of least and greatest"
 # Whether there is less, and more, than a colour bar holds -> how that is shown.
 EXTENDED = {(False, False): "neither", (True, False): "min", (False, True): "max",
             (True, True): "both"}  # fmt: skip
+WITHOUT_BORDER = "it lies in the jump between rest and motion, which border = false leaves out"
 SHADES = 512  # of a colour bar
 SIGNED = ("growth_rate", "lyapunov")  # whose maps have the colours of both signs, whatever they are
 FAINTEST = 0.25  # share of a shade, of which less is not told from none
@@ -299,9 +300,9 @@ class _Lines:
         """Why there is no line, of each level that has none; undecided points have none."""
         moving = bool(self.planes.on_its_way.any())
         told = [*level_notes.missed(self.planes.array, self.ends, self.levels)]
-        if _filled_without(self.planes):
-            either = f"{NOT_RUN}; or {level_notes.IN_A_JUMP}"
-            told = [why.replace(level_notes.IN_A_JUMP, either) for why in told]
+        jump = level_notes.IN_A_JUMP if self.border else WITHOUT_BORDER
+        not_run = f"{NOT_RUN}; or " * bool(_filled_without(self.planes))
+        told = [why.replace(level_notes.IN_A_JUMP, f"{not_run}{jump}") for why in told]
         return [f"{why}{', as far as points are decided' * moving}" for why in told]
 
     @property
