@@ -1605,6 +1605,11 @@ def test_that_two_runs_agree_or_a_branch_holds_fixed_what_points_vary_is_told():
     held = branch_along_the_speed().isel(N0=0).assign_coords(mu_s=((), 1.6, {"units": "1"}))
     points = data.bifurcation()
     points = points.assign_coords(mu_s=("Omega", points["Omega"].values))
+    sweeps = [points, points.drop_vars("mu_s").assign_coords(mu_s=held["mu_s"])]
+    sweeps = [one.assign_attrs(analyses_json=f'{{"settings": {{"t_max": {n}.0}}}}')
+              for n, one in enumerate(sweeps)]  # fmt: skip
+    called = words.told_apart([("a", sweeps[0]), ("b", sweeps[1])])  # not by what decides nothing
+    assert called == ["$\\mu_{s}$ = $\\Omega$", "$\\mu_{s}$ = 1.6"]
     names = words.told_apart([("sweep", points), ("branch", held)])
     told = style.notes_on(draw([(names[0], points), (names[1], held)], figure("bifurcation")))
     said = [note for note in told if note.startswith("branches are those at")]

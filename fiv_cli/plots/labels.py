@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -224,11 +224,13 @@ def told_apart(files: Sequence[tuple[str, xr.Dataset]]) -> list[str]:
     if apart:
         fixed = [_fixed_of_axes(one, datasets) for one in datasets]
         return [", ".join(filter(None, words)) for words in zip(found, fixed, strict=True)]
+    fixed = [_fixed_of_axes(one, datasets) for one in datasets]
+    if all(fixed) and len({*fixed}) == len(files):
+        return fixed
     same_starts = len({str(one.attrs.get("starts_json")) for one in datasets}) == 1
     asked = _differing_settings(datasets)
     if same_starts and len({*asked}) == len(files):
         return asked
-    fixed = [_fixed_of_axes(one, datasets) for one in datasets]
     alone = fixed.count("") == 1 < len(fixed)  # its own lines tell it from what is fixed
     return [
         name or ("" if alone and _has_lines(one, datasets) else file)
@@ -263,14 +265,26 @@ def _plain(value: object) -> str:
 
 
 def _fixed_of_axes(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> str:
-    """The parameters of one value here that others vary; "" of none."""
+    """The parameters of one value here that others vary, and those that others fix and an axis
+    takes with it here; "" of none."""
     axes = [one.coords[name] for one in others for name in one["status"].coords]
     varied = {axis.name for axis in axes if axis.size > 1}
     kept = [dataset[name] for name in dataset.coords if name in varied - {_followed(dataset)}]
     alike: dict[tuple[object, float], list[xr.DataArray]] = {}
     for value in filter(_is_one_number, kept):
         alike.setdefault((value.attrs.get("units"), value.item()), []).append(value)
-    return ", ".join(map(_equal, alike.values()))
+    return ", ".join([*map(_equal, alike.values()), *_led(dataset, others)])
+
+
+def _led(dataset: xr.Dataset, others: Sequence[xr.Dataset]) -> Iterator[str]:
+    """What others fix and an axis takes with it: ``$V_2$ = $V_1$``, or with other values."""
+    fixed = {name for one in others for name, axis in one.coords.items() if not axis.ndim}
+    for axis in (dataset[name] for name in dataset.coords if name in fixed):
+        leaders = [one for one in dataset.coords.values() if one.dims == axis.dims and axis.ndim]
+        plain = (one for one in leaders if one.name not in fixed and one.dtype.kind in "fiu")
+        for leader in [*plain][:1]:
+            how = "=" if np.array_equal(axis.values, leader.values) else "with"
+            yield f"{quantity(axis, str(axis.name))} {how} {quantity(leader, str(leader.name))}"
 
 
 def _differing(datasets: Sequence[xr.Dataset]) -> list[list[str]]:
