@@ -55,7 +55,7 @@ def defaults_text(case: Case, given: Collection[str]) -> list[str]:
     more = f"{len(counted)} {'more' if told else 'parameters'}: fiv models {plain}"
     set_here = {name for law in case.laws for name in model.defaults_of(get_law(law))}
     theirs = [name for name in _left(case, given) if name in set_here]
-    of_model = f"  {', '.join(theirs)}: the default of {model.name}, not of the law"
+    of_model = f"  {', '.join(theirs)}: the default of {plain}, not of the law"
     line = f"  by default, in SI: {', '.join([*told, *[more] * bool(counted)])}"
     return [*[line] * bool(left), *_options_text(case, model), *[of_model] * bool(theirs)]
 
