@@ -132,7 +132,7 @@ def read_physics(form: Form, report: Report) -> Physics:
     options = {**model.default_options(), **reader.options(model, form.model)}
     options |= _options_of_axes(model, options, axes)
     laws, known = reader.laws(model, form.friction, axes.get("friction"))
-    of_laws = _leaders_of_laws(laws, form.friction)
+    of_laws = _leaders(form.friction.model_extra or {}, _shared(laws))
     model = reader.following(model, form.model, laws, of_laws)
     fixed = reader.of_model(model, laws, form.model)
     fixed |= reader.of_laws(model, laws, form.friction, of_laws)
@@ -278,19 +278,15 @@ def _others_with(name: str) -> str:
     return f"{name!r} is of {kind} {listed(having)} (fiv models {name})" if having else ""
 
 
-def _leaders(model: Model, table: ModelTable) -> dict[str, str]:
-    """Key of a parameter of the model that is given the name of another -> that one."""
-    known = {p.name for p in model.parameters}
-    named = {k: ascii_name(v) for k, v in table.parameters.items() if isinstance(v, str)}
-    return {k: leader for k, leader in named.items() if {ascii_name(k), leader} <= known}
+def _leaders(given: Mapping[str, object], known: Collection[str]) -> dict[str, str]:
+    """Key of a parameter that is given the name of another -> that one, both of those `known`."""
+    named = {k: ascii_name(v) for k, v in given.items() if isinstance(v, str)}
+    return {k: leader for k, leader in named.items() if {ascii_name(k), leader} <= {*known}}
 
 
-def _leaders_of_laws(laws: Sequence[Law], table: FrictionTable) -> dict[str, str]:
-    """The same of parameters that all laws have."""
-    shared = set.intersection(*({p.name for p in law.parameters} for law in laws))
-    extra = {k: v for k, v in (table.model_extra or {}).items() if isinstance(v, str)}
-    named = {k: ascii_name(v) for k, v in extra.items()}
-    return {k: leader for k, leader in named.items() if {ascii_name(k), leader} <= shared}
+def _shared(laws: Sequence[Law]) -> set[str]:
+    """The parameters that all laws have."""
+    return set.intersection(*({p.name for p in law.parameters} for law in laws))
 
 
 class _Reader:
@@ -359,9 +355,9 @@ class _Reader:
     ) -> Model:
         """The model with the parameters, of it and its laws, that are given the name of another
         following that."""
-        of_model, adopted = _leaders(model, table), [p for law in laws for p in model.adopted(law)]
-        sound = self.leaders(of_model, {p.name: p for p in model.parameters}, MODEL_TABLE)
-        known = {p.name: p for p in adopted}
+        own = {p.name: p for p in model.parameters}
+        sound = self.leaders(_leaders(table.parameters, own), own, MODEL_TABLE)
+        known = {p.name: p for law in laws for p in model.adopted(law)}
         return following(model, sound | self.leaders(of_laws, known, ("friction",)))
 
     def leaders(
@@ -384,7 +380,7 @@ class _Reader:
     def of_model(self, model: Model, laws: Sequence[Law], table: ModelTable) -> dict[str, float]:
         known = {p.name: p for p in model.parameters}
         elsewhere = {p.name: "friction" for law in laws for p in law.parameters}
-        follow = _leaders(model, table)
+        follow = _leaders(table.parameters, known)
         given = {key: value for key, value in table.parameters.items() if key not in follow}
         return self.parameters(given, known, elsewhere, MODEL_TABLE)
 
